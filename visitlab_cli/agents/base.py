@@ -1,0 +1,80 @@
+"""What an agent is to the rest of the package: validated parameters, a record of arrays, and two operations.
+
+An agent's file holds its parameters (a pydantic model, from the YAML), its record (a NamedTuple of arrays and
+numbers, the only thing that kernels see) and its kernels, registered with `CHOOSE` and `LEARN` for that record.
+"""
+
+from collections.abc import Mapping
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+from pydantic import BaseModel, ConfigDict, Field
+
+from visitlab_cli.compiled import Operation
+from visitlab_cli.world.columns import TASKS
+
+Saved = dict[str, npt.NDArray[Any]]
+"""An agent's arrays by name, as `model.npz` keeps them."""
+
+GAMMA = Field(default=0.9, ge=0, lt=1, description="discount factor")
+EPSILON = Field(default=0.05, ge=0, le=1, description="probability of a uniformly random action")
+PLAN_EVERY = Field(default=1000, ge=1, le=10**9, description="steps between two sweeps of value iteration")
+
+
+
+class AgentParameters(BaseModel):
+    """An agent as the YAML declares it; a subclass adds `kind` (a Literal) and its numbers."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    plans: ClassVar[bool] = False
+    """Whether it sweeps a learned model, so that planning options mean something."""
+
+    tasks: ClassVar[tuple[str, ...]] = TASKS
+    """The tasks that it can play."""
+
+    references: ClassVar[dict[str, tuple[str, ...]]] = {}
+    """Fields that name another declared agent, with the kinds that this one may have (none given: any
+    that refers to no other)."""
+
+    def create(self, setting: "Setting") -> Any:
+        """A new agent's record for `setting`."""
+        raise NotImplementedError
+
+    def restore(self, setting: "Setting", saved: Saved) -> Any:
+        """The record that goes on from what `save` gave, for `setting.steps` further steps."""
+        raise NotImplementedError
+
+    def save(self, record: Any) -> Saved:
+        """The arrays of a record, with their public names (`q`, `visits`, `reward_sums`, `successor_*`)."""
+        raise NotImplementedError
+
+
+class Setting(NamedTuple):
+    """Where an agent plays: `task`, the sizes of its tables, how many steps it may take, who else is declared."""
+
+    task: str
+    n_states: int
+    n_actions: int
+    steps: int
+    agents: Mapping[str, AgentParameters] = {}
+
+
+def _choose(agent, state, step, random):  # type: ignore[no-untyped-def]
+    """The action for `state` at the agent's `step` (from 1): `(action, explored)`, changing `random`."""
+
+
+def _learn(agent, state, action, reward, next_state, step):  # type: ignore[no-untyped-def]
+    """Learn from one transition, the agent's `step` (from 1); sweeps when its plan says so."""
+
+
+CHOOSE = Operation(_choose)
+LEARN = Operation(_learn)
+choose = CHOOSE.function
+learn = LEARN.function
+
+
+def zeros(setting: Setting) -> npt.NDArray[np.float64]:
+    """A table of shape (states, actions)."""
+    return np.zeros((setting.n_states, setting.n_actions))

@@ -1,0 +1,78 @@
+"""Epsilon-greedy value iteration, the paper's model-based agent: a learned model, swept every `plan_every` steps."""
+
+from typing import ClassVar, Literal, NamedTuple
+
+import numpy as np
+from pydantic import Field
+
+from visitlab_cli.agents.base import (
+    CHOOSE,
+    EPSILON,
+    GAMMA,
+    LEARN,
+    PLAN_EVERY,
+    AgentParameters,
+    Saved,
+    Setting,
+    zeros,
+)
+from visitlab_cli.agents.exploration import Table, epsilon_greedy
+from visitlab_cli.agents.sparse_model import SparseModel, count, empty_model, restored_model, saved_model, sweep
+from visitlab_cli.random_numbers import RandomState
+
+
+class ModelBased(NamedTuple):
+    """`q` has shape (states, actions), `values` (states,)."""
+
+    q: Table
+    values: Table
+    model: SparseModel
+    gamma: float
+    epsilon: float
+    plan_every: int
+    fill_unvisited: bool
+
+
+class ModelBasedParameters(AgentParameters):
+    """Epsilon-greedy value iteration (paper, section 4.2)."""
+
+    plans: ClassVar[bool] = True
+    kind: Literal["model_based"]
+    gamma: float = GAMMA
+    epsilon: float = EPSILON
+    plan_every: int = PLAN_EVERY
+    unvisited: Literal["uniform", "zero"] = Field(
+        default="uniform",
+        description="the model of a pair never tried: no reward and any state next, or a value of zero",
+    )
+
+    def create(self, setting: Setting) -> ModelBased:
+        """Q of zeros and an empty model."""
+        return self._record(zeros(setting), empty_model(setting))
+
+    def restore(self, setting: Setting, saved: Saved) -> ModelBased:
+        """Go on with a saved model."""
+        return self._record(saved["q"].copy(), restored_model(setting, saved))
+
+    def _record(self, q: Table, model: SparseModel) -> ModelBased:
+        gamma, epsilon = float(self.gamma), float(self.epsilon)
+        fill = self.unvisited == "uniform"
+        return ModelBased(q, np.zeros(len(q)), model, gamma, epsilon, self.plan_every, fill)
+
+    def save(self, record: ModelBased) -> Saved:
+        """Q and the learned model."""
+        return {"q": record.q, **saved_model(record.model, record.q.shape[1])}
+
+
+@CHOOSE.of(ModelBased)
+def choose(agent: ModelBased, state: int, step: int, random: RandomState) -> tuple[int, bool]:
+    """Epsilon-greedy."""
+    return epsilon_greedy(agent.q[state], agent.epsilon, random)
+
+
+@LEARN.of(ModelBased)
+def learn(agent: ModelBased, state: int, action: int, reward: float, next_state: int, step: int) -> None:
+    """Count the transition; sweep at every `plan_every`-th step."""
+    count(agent.model, state * agent.q.shape[1] + action, reward, next_state)
+    if step % agent.plan_every == 0:
+        sweep(agent.model, agent.q, agent.values, agent.gamma, 1, agent.fill_unvisited)

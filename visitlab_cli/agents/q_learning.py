@@ -1,0 +1,60 @@
+"""Q-learning, the paper's model-free agent: Q <- Q + alpha (r + gamma max_a' Q(s', a') - Q), epsilon-greedy."""
+
+from typing import Literal, NamedTuple
+
+import numpy as np
+from pydantic import Field
+
+from visitlab_cli.agents.base import CHOOSE, EPSILON, GAMMA, LEARN, AgentParameters, Saved, Setting, zeros
+from visitlab_cli.agents.exploration import Table, epsilon_greedy, maximum
+from visitlab_cli.agents.sparse_model import Counts
+from visitlab_cli.random_numbers import RandomState
+
+
+class QLearning(NamedTuple):
+    """`q` and `visits` have shape (states, actions)."""
+
+    q: Table
+    visits: Counts
+    gamma: float
+    epsilon: float
+    alpha: float
+
+
+class QLearningParameters(AgentParameters):
+    """Tabular Q-learning (paper, section 4.2)."""
+
+    kind: Literal["q_learning"]
+    gamma: float = GAMMA
+    epsilon: float = EPSILON
+    alpha: float = Field(default=0.5, gt=0, le=1, description="learning rate")
+
+    def create(self, setting: Setting) -> QLearning:
+        """A table of zeros."""
+        return self.with_table(zeros(setting), np.zeros((setting.n_states, setting.n_actions), np.int32))
+
+    def restore(self, setting: Setting, saved: Saved) -> QLearning:
+        """Go on with a saved table."""
+        return self.with_table(saved["q"].copy(), saved["visits"].copy())
+
+    def with_table(self, q: Table, visits: Counts) -> QLearning:
+        """These parameters acting on a given table, which is shared, not copied."""
+        return QLearning(q, visits, float(self.gamma), float(self.epsilon), float(self.alpha))
+
+    def save(self, record: QLearning) -> Saved:
+        """The table and how often each pair was updated."""
+        return {"q": record.q, "visits": record.visits}
+
+
+@CHOOSE.of(QLearning)
+def choose(agent: QLearning, state: int, step: int, random: RandomState) -> tuple[int, bool]:
+    """Epsilon-greedy."""
+    return epsilon_greedy(agent.q[state], agent.epsilon, random)
+
+
+@LEARN.of(QLearning)
+def learn(agent: QLearning, state: int, action: int, reward: float, next_state: int, step: int) -> None:
+    """One temporal-difference update; a trial's end does not cut the bootstrap."""
+    target = reward + agent.gamma * maximum(agent.q[next_state])
+    agent.q[state, action] += agent.alpha * (target - agent.q[state, action])
+    agent.visits[state, action] += 1

@@ -1,0 +1,70 @@
+"""R-max (Brafman and Tennenholtz, 2002): optimistic until a pair has been tried m times, then its frozen model."""
+
+from typing import ClassVar, Literal, NamedTuple
+
+import numpy as np
+from pydantic import Field
+
+from visitlab_cli.agents.base import CHOOSE, GAMMA, LEARN, PLAN_EVERY, AgentParameters, Saved, Setting
+from visitlab_cli.agents.exploration import Table, greedy
+from visitlab_cli.agents.sparse_model import SparseModel, count, empty_model, restored_model, saved_model, sweep
+from visitlab_cli.random_numbers import RandomState
+
+M_IN_NAVIGATION, M_ELSEWHERE = 1, 5  # paper, section 4.2
+
+
+class RMax(NamedTuple):
+    """`q` has shape (states, actions), `values` (states,); a pair is known from its `m`-th visit on."""
+
+    q: Table
+    values: Table
+    model: SparseModel
+    gamma: float
+    m: int
+    plan_every: int
+
+
+class RMaxParameters(AgentParameters):
+    """R-max (paper, section 4.2)."""
+
+    plans: ClassVar[bool] = True
+    kind: Literal["rmax"]
+    gamma: float = GAMMA
+    r_max: float = Field(default=1.0, ge=0, le=1e6, description="the largest reward, assumed of what is unknown")
+    m: int | None = Field(
+        default=None, ge=1, le=10**6, description="visits that make a pair known; 1 in navigation, 5 elsewhere"
+    )
+    plan_every: int = PLAN_EVERY
+
+    def create(self, setting: Setting) -> RMax:
+        """Q of r_max / (1 - gamma) and an empty model."""
+        optimistic = np.full((setting.n_states, setting.n_actions), self.r_max / (1 - self.gamma))
+        return self._record(setting, optimistic, empty_model(setting))
+
+    def restore(self, setting: Setting, saved: Saved) -> RMax:
+        """Go on with a saved model."""
+        return self._record(setting, saved["q"].copy(), restored_model(setting, saved))
+
+    def _record(self, setting: Setting, q: Table, model: SparseModel) -> RMax:
+        m = self.m or (M_IN_NAVIGATION if setting.task == "navigation" else M_ELSEWHERE)
+        return RMax(q, np.zeros(len(q)), model, float(self.gamma), m, self.plan_every)
+
+    def save(self, record: RMax) -> Saved:
+        """Q and the learned model."""
+        return {"q": record.q, **saved_model(record.model, record.q.shape[1])}
+
+
+@CHOOSE.of(RMax)
+def choose(agent: RMax, state: int, step: int, random: RandomState) -> tuple[int, bool]:
+    """Greedy."""
+    return greedy(agent.q[state], random), False
+
+
+@LEARN.of(RMax)
+def learn(agent: RMax, state: int, action: int, reward: float, next_state: int, step: int) -> None:
+    """Count the transition unless its pair is known; sweep the known pairs at every `plan_every`-th step."""
+    pair = state * agent.q.shape[1] + action
+    if agent.model.visits[pair] < agent.m:
+        count(agent.model, pair, reward, next_state)
+    if step % agent.plan_every == 0:
+        sweep(agent.model, agent.q, agent.values, agent.gamma, agent.m, False)

@@ -1,0 +1,140 @@
+"""A learned model of the world, kept sparse: counts n(s, a, s'), mean rewards, and one sweep of value iteration.
+
+Paper, section 4.2: T(s, a, s') = n(s, a, s') / n(s, a) and R(s, a) = (sum of rewards) / n(s, a). A sweep is
+synchronous: V(s) = max_a Q(s, a) for all states, then Q(s, a) = R(s, a) + gamma sum_s' T(s, a, s') V(s').
+
+The successors of a pair lie together in a pool, in the order of their first visit; a pair that outgrows its room
+moves to the pool's end with twice the room. The pool is large enough for the steps that the agent may take, but
+memory is only spent on what is touched.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from visitlab_cli.agents.base import Saved, Setting
+from visitlab_cli.agents.exploration import Table, maximum
+from visitlab_cli.compiled import kernel
+
+Ints = npt.NDArray[np.int64]
+Counts = npt.NDArray[np.int32]
+
+
+class SparseModel(NamedTuple):
+    """Counts and rewards of every (state, action) pair; arrays over pairs have shape (states * actions,)."""
+
+    visits: Counts  # n(s, a)
+    reward_sums: Table
+    mean_rewards: Table  # the R that sweeps use
+    first: Ints  # where a pair's successors begin in the pool
+    room: Counts  # how many of them fit there
+    length: Counts  # how many there are
+    pool_states: Counts
+    pool_counts: Counts
+    pool_end: Ints  # shape (1,)
+
+
+def empty_model(setting: Setting) -> SparseModel:
+    """A model that has seen nothing, with room for `setting.steps` visits."""
+    pairs = setting.n_states * setting.n_actions
+    # a pair with k successors has used rooms of 1 + 2 + ... up to less than 2k, fewer than 4k in all
+    pool = 4 * setting.steps + 1
+    return SparseModel(
+        visits=np.zeros(pairs, np.int32),
+        reward_sums=np.zeros(pairs),
+        mean_rewards=np.zeros(pairs),
+        first=np.zeros(pairs, np.int64),
+        room=np.zeros(pairs, np.int32),
+        length=np.zeros(pairs, np.int32),
+        pool_states=np.empty(pool, np.int32),
+        pool_counts=np.empty(pool, np.int32),
+        pool_end=np.zeros(1, np.int64),
+    )
+
+
+@kernel
+def count(model: SparseModel, pair: int, reward: float, next_state: int) -> None:
+    """Add one transition of `pair` (state * actions + action) to the model."""
+    model.visits[pair] += 1
+    model.reward_sums[pair] += reward
+    model.mean_rewards[pair] = model.reward_sums[pair] / model.visits[pair]
+    first, length = model.first[pair], model.length[pair]
+    for place in range(first, first + length):
+        if model.pool_states[place] == next_state:
+            model.pool_counts[place] += 1
+            return
+    if length == model.room[pair]:
+        room = max(1, 2 * length)
+        moved = model.pool_end[0]
+        for offset in range(length):
+            model.pool_states[moved + offset] = model.pool_states[first + offset]
+            model.pool_counts[moved + offset] = model.pool_counts[first + offset]
+        model.pool_end[0] = moved + room
+        model.first[pair] = first = moved
+        model.room[pair] = room
+    model.pool_states[first + length] = next_state
+    model.pool_counts[first + length] = 1
+    model.length[pair] = length + 1
+
+
+@kernel
+def sweep(
+    model: SparseModel, q: Table, values: Table, gamma: float, known: int, fill_unvisited: bool
+) -> None:
+    """One synchronous sweep over all pairs visited at least `known` times, changing `q`, shape (states, actions).
+
+    `values`, shape (states,), is scratch space. With `fill_unvisited` a pair never tried has R = 0 and a uniform
+    T over all states; otherwise it keeps its value.
+    """
+    n_states, n_actions = q.shape
+    total = 0.0
+    for state in range(n_states):
+        values[state] = maximum(q[state])
+        total += values[state]
+    unvisited = gamma * (total / n_states)
+    for state in range(n_states):
+        for action in range(n_actions):
+            pair = state * n_actions + action
+            visits = model.visits[pair]
+            if visits >= known:
+                expected = 0.0
+                first = model.first[pair]
+                for place in range(first, first + model.length[pair]):
+                    expected += model.pool_counts[place] * values[model.pool_states[place]]
+                q[state, action] = model.mean_rewards[pair] + gamma * expected / visits
+            elif fill_unvisited and visits == 0:
+                q[state, action] = unvisited
+
+
+def saved_model(model: SparseModel, n_actions: int) -> Saved:
+    """The model as arrays: `visits` and `reward_sums` (states, actions), successors in compressed rows."""
+    offsets = np.zeros(len(model.length) + 1, np.int64)
+    np.cumsum(model.length, out=offsets[1:])
+    places = np.arange(offsets[-1]) + np.repeat(model.first - offsets[:-1], model.length)
+    return {
+        "visits": model.visits.reshape(-1, n_actions),
+        "reward_sums": model.reward_sums.reshape(-1, n_actions),
+        "successor_offsets": offsets,
+        "successor_states": model.pool_states[places],
+        "successor_counts": model.pool_counts[places],
+    }
+
+
+def restored_model(setting: Setting, saved: Saved) -> SparseModel:
+    """The model that `saved_model` gave, with room for `setting.steps` further visits."""
+    states, offsets = saved["successor_states"], saved["successor_offsets"]
+    visits, reward_sums = saved["visits"].ravel(), saved["reward_sums"].ravel()
+    lengths = np.diff(offsets).astype(np.int32)
+    # each pair starts with just the room that it fills, and then doubles it as it would have
+    model = empty_model(setting._replace(steps=setting.steps + 2 * len(states)))
+    model.visits[:] = visits
+    model.reward_sums[:] = reward_sums
+    np.divide(reward_sums, visits, out=model.mean_rewards, where=visits > 0)
+    model.first[:] = offsets[:-1]
+    model.room[:] = lengths
+    model.length[:] = lengths
+    model.pool_states[: len(states)] = states
+    model.pool_counts[: len(states)] = saved["successor_counts"]
+    model.pool_end[0] = len(states)
+    return model

@@ -1,0 +1,42 @@
+"""The floor: every action with the same probability, nothing learned."""
+
+from typing import Literal, NamedTuple
+
+from visitlab_cli.agents.base import CHOOSE, LEARN, AgentParameters, Saved, Setting, zeros
+from visitlab_cli.agents.exploration import Table
+from visitlab_cli.random_numbers import RandomState, random_below
+
+
+class UniformRandom(NamedTuple):
+    """`q`, shape (states, actions), is zero: as a visit's module it leaves every choice to chance."""
+
+    q: Table
+
+
+class RandomParameters(AgentParameters):
+    """Uniformly random actions."""
+
+    kind: Literal["random"]
+
+    def create(self, setting: Setting) -> UniformRandom:
+        """Nothing but the size of the table."""
+        return UniformRandom(zeros(setting))
+
+    def restore(self, setting: Setting, saved: Saved) -> UniformRandom:
+        """Chance has no memory."""
+        return self.create(setting)
+
+    def save(self, record: UniformRandom) -> Saved:
+        """A table of zeros, so that every model has one."""
+        return {"q": record.q}
+
+
+@CHOOSE.of(UniformRandom)
+def choose(agent: UniformRandom, state: int, step: int, random: RandomState) -> tuple[int, bool]:
+    """Any action."""
+    return random_below(random, agent.q.shape[1]), True
+
+
+@LEARN.of(UniformRandom)
+def learn(agent: UniformRandom, state: int, action: int, reward: float, next_state: int, step: int) -> None:
+    """Learn nothing."""

@@ -1,0 +1,115 @@
+"""Compiled code: one decorator for kernels, their cache folder, and dispatch on the type of a record.
+
+A kernel is a plain function of arrays, scalars and NamedTuples of them. Its machine code is cached in a folder
+named by a hash of every source file that kernels live in, since numba's own cache does not notice an edit in a
+file that a kernel calls: an edited rule would silently run as before.
+"""
+
+import hashlib
+import os
+import platform
+import sys
+from collections.abc import Callable
+from contextlib import contextmanager
+from functools import cache
+from pathlib import Path
+from typing import Any, TypeVar
+
+import llvmlite
+import llvmlite.binding
+import numba
+import platformdirs
+from numba.core import types
+from numba.extending import overload
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+PACKAGE = Path(__file__).parent
+KERNEL_SOURCES = ("compiled.py", "random_numbers.py", "world", "agents", "simulation")
+JIT_DISABLED = bool(numba.config.DISABLE_JIT)
+
+
+def _kernel_files() -> list[Path]:
+    places = [PACKAGE / name for name in KERNEL_SOURCES]
+    return sorted(file for place in places for file in (place.rglob("*.py") if place.is_dir() else [place]))
+
+
+@cache
+def sources_hash() -> str:
+    """16 hex digits: every kernel source, and what else decides the machine code."""
+    digest = hashlib.sha256()
+    for file in _kernel_files():
+        digest.update(file.relative_to(PACKAGE).as_posix().encode() + b"\0" + file.read_bytes() + b"\0")
+    makers = (sys.version, platform.machine(), numba.__version__, llvmlite.__version__)
+    processor = (llvmlite.binding.get_host_cpu_name(), llvmlite.binding.get_host_cpu_features().flatten())
+    digest.update("\0".join(makers + processor).encode())
+    return digest.hexdigest()[:16]
+
+
+@cache
+def cache_folder() -> Path | None:
+    """The folder of this version's machine code, made private; None where none can be written."""
+    try:
+        root = Path(os.environ.get("VISITLAB_CACHE") or platformdirs.user_cache_path("visitlab"))
+        folder = root / f"kernels-{sources_hash()}"
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+    except (OSError, RuntimeError):
+        return None
+    return folder if os.access(folder, os.W_OK) else None
+
+
+@contextmanager
+def _numba_cache(folder: Path):  # type: ignore[no-untyped-def]
+    before = numba.config.CACHE_DIR
+    numba.config.CACHE_DIR = str(folder)
+    try:
+        yield
+    finally:
+        numba.config.CACHE_DIR = before
+
+
+def kernel(function: Function) -> Function:
+    """Compile `function` on its first call, release the GIL in it, and keep its machine code in our cache."""
+    folder = cache_folder()
+    if JIT_DISABLED or folder is None:
+        return numba.njit(nogil=True)(function)  # type: ignore[no-any-return]
+    with _numba_cache(folder):
+        return numba.njit(cache=True, nogil=True)(function)  # type: ignore[no-any-return]
+
+
+class Operation:
+    """A kernel chosen by the type of its first argument, a NamedTuple: how a loop meets its agent and task.
+
+    `operation.of(Record)` registers the kernel for a record; `operation.function` is what kernels call. The
+    choice is made while compiling, so it costs nothing in a loop, and the machine code can be cached (a kernel
+    passed as an argument can't). With the compiler switched off the same table is consulted at each call.
+    """
+
+    def __init__(self, signature: Function) -> None:
+        """Make an operation with the arguments of `signature`, a function without a body."""
+        table: dict[type, Callable[..., Any]] = {}
+        self._table = table
+        names = ", ".join(signature.__code__.co_varnames[: signature.__code__.co_argcount])
+        first = names.split(",")[0]
+        # numba matches an overload to the generic function by its argument names, so both are written out
+        scope: dict[str, Any] = {"table": table, "find": self._find}
+        exec(
+            f"def {signature.__name__}({names}):\n    return table[type({first})]({names})\n"
+            f"def choice({names}):\n    return find({first})\n",
+            scope,
+        )
+        self.function: Callable[..., Any] = scope[signature.__name__]
+        self.function.__doc__ = signature.__doc__
+        overload(self.function)(scope["choice"])
+
+    def _find(self, first: Any) -> Callable[..., Any] | None:
+        return self._table.get(first.instance_class) if isinstance(first, types.BaseNamedTuple) else None
+
+    def of(self, record: type) -> Callable[[Function], Function]:
+        """Decorator: this plain function is the operation for `record`."""
+
+        def register(function: Function) -> Function:
+            self._table[record] = function
+            return function
+
+        return register
