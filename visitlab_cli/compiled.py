@@ -100,7 +100,7 @@ class Operation:
         )
         self.function: Callable[..., Any] = scope[signature.__name__]
         self.function.__doc__ = signature.__doc__
-        overload(self.function)(scope["choice"])
+        overload(self.function, strict=False)(scope["choice"])  # annotations may differ, names may not
 
     def _find(self, first: Any) -> Callable[..., Any] | None:
         return self._table.get(first.instance_class) if isinstance(first, types.BaseNamedTuple) else None

@@ -1,0 +1,102 @@
+"""The loop: an agent plays a task for a block of steps into preallocated columns.
+
+Between blocks come recording, progress and interruption. A cursor, the agent's arrays and the random state are
+all there is to a checkpoint: a block more or less never changes a result.
+"""
+
+from typing import Any, NamedTuple
+
+from visitlab_cli.agents.base import choose, learn
+from visitlab_cli.compiled import kernel
+from visitlab_cli.agents.exploration import Table
+from visitlab_cli.random_numbers import RandomState
+from visitlab_cli.world.columns import StepColumns
+from visitlab_cli.world.enums import Action
+from visitlab_cli.world.scene import NOWHERE, Scene
+from visitlab_cli.world.task import begin_trial, observe, step
+
+BLOCK_ROWS = 8192
+
+
+class Cursor(NamedTuple):
+    """Where a cell's simulation stands."""
+
+    scene: Scene
+    state: int
+    trial: int  # number of the current trial
+    trial_step: int  # steps taken in it; -1 before its start
+    steps: int  # steps taken in the cell
+
+
+START = Cursor(NOWHERE, 0, 0, -1, 0)
+
+
+@kernel
+def write_row(
+    columns: StepColumns, row: int, trial: int, trial_step: int, state: int, scene: Scene, action: int
+) -> None:
+    """Write what is known of a moment; rewards and `explored` are the loop's to add."""
+    columns.trial[row] = trial
+    columns.step[row] = trial_step
+    columns.state[row] = state
+    columns.action[row] = action
+    columns.executed_action[row] = scene.executed_action
+    columns.robot_row[row] = scene.robot_row
+    columns.robot_col[row] = scene.robot_col
+    columns.robot_heading[row] = scene.robot_heading
+    columns.human_row[row] = scene.human_row
+    columns.human_col[row] = scene.human_col
+    columns.human_heading[row] = scene.human_heading
+    columns.human_action[row] = scene.human_action
+    columns.interaction_level[row] = scene.interaction_level
+    columns.distance[row] = scene.distance
+    columns.angle[row] = scene.angle
+    columns.desired_direction[row] = scene.desired_direction
+    columns.goal_room[row] = scene.goal_room
+
+
+@kernel
+def play(
+    task: Any, agent: Any, cursor: Cursor, steps: int, random: RandomState, columns: StepColumns, trial_rewards: Table
+) -> tuple[Cursor, int]:
+    """Play until the columns are full or `steps` steps of the cell are done.
+
+    Args:
+        task: the task's record.
+        agent: the agent's record, changed in place.
+        cursor: where to go on; `START` for a new cell.
+        steps: the cell's length.
+        random: the cell's stream, changed in place.
+        columns: arrays of shape (rows,), filled from row 0: one row a step, and one for each trial's start.
+        trial_rewards: shape (trials,), added to.
+
+    Returns:
+        The cursor after the last row, and the number of rows written.
+    """
+    scene, state, trial, trial_step, done = cursor.scene, cursor.state, cursor.trial, cursor.trial_step, cursor.steps
+    row = 0
+    while row < len(columns.trial) and done < steps:
+        if trial_step == task.trial_steps:
+            trial, trial_step = trial + 1, -1
+        trial_step += 1
+        if trial_step == 0:
+            scene = begin_trial(task, scene, random)
+            state = observe(task, scene)
+            write_row(columns, row, trial, 0, state, scene, Action.NO_ACTION.value)
+            columns.explored[row] = False
+            columns.reward[row] = 0.0
+            columns.social_reward[row] = 0.0
+        else:
+            done += 1
+            action, explored = choose(agent, state, done, random)
+            scene, reward, lesson = step(task, scene, action, random)
+            next_state = observe(task, scene)
+            learn(agent, state, action, lesson, next_state, done)
+            state = next_state
+            write_row(columns, row, trial, trial_step, state, scene, action)
+            columns.explored[row] = explored
+            columns.reward[row] = reward
+            columns.social_reward[row] = lesson
+            trial_rewards[trial] += reward
+        row += 1
+    return Cursor(scene, state, trial, trial_step, done), row

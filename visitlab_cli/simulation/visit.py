@@ -1,0 +1,83 @@
+"""The three modules as one (paper, section 4.1 and Fig. 5): a visit as the task that the social module plays.
+
+Navigation gives the desired direction, the social module decides, and where it picks 'go to human vision' the
+third module picks the move. Navigation and go_to_human act greedily and do not learn.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from visitlab_cli.agents.exploration import Table, greedy
+from visitlab_cli.compiled import kernel
+from visitlab_cli.random_numbers import RandomState
+from visitlab_cli.world.enums import MAX_SPEED, N_DIRECTIONS, N_MOVES, Action
+from visitlab_cli.world.go_to_human import go_to_human_state
+from visitlab_cli.world.grid import LAB_SIZE, N_ROOMS
+from visitlab_cli.world.human import follows_in_direction
+from visitlab_cli.world.scene import Scene, with_aims
+from visitlab_cli.world.social import social_state
+from visitlab_cli.world.task import BEGIN_TRIAL, OBSERVE, STEP
+from visitlab_cli.world.visit import VisitWorld, begin_visit, step_visit
+
+
+class Visit(NamedTuple):
+    """`direction_values` (goal rooms, rows, cols, 8) and `go_to_human` (states, actions) stand for two modules."""
+
+    world: VisitWorld
+    direction_values: Table
+    go_to_human: Table
+    trial_steps: int
+    pays_social_reward: bool
+
+
+def make_visit(
+    world: VisitWorld, navigation_q: Table, go_to_human_q: Table, trial_steps: int = 100, social_reward: str = "social"
+) -> Visit:
+    """A visit with the Q of the two modules, shapes (5184, 25) and (320, 25); `social_reward`: `social` or `none`."""
+    direction_values = direction_values_of(navigation_q)
+    return Visit(world, direction_values, go_to_human_q, trial_steps, social_reward == "social")
+
+
+def direction_values_of(navigation_q: Table) -> Table:
+    """Navigation's Q averaged over the three speeds: shape (goal rooms, rows, cols, 8)."""
+    moves = navigation_q[:, :N_MOVES].reshape(-1, MAX_SPEED, N_DIRECTIONS)
+    total = moves[:, 0]
+    for speed in range(1, MAX_SPEED):  # in this order: equal directions must come out exactly equal
+        total = total + moves[:, speed]
+    return np.ascontiguousarray(total / MAX_SPEED).reshape(N_ROOMS, LAB_SIZE, LAB_SIZE, N_DIRECTIONS)
+
+
+@kernel
+def directed(task: Visit, scene: Scene, random: RandomState) -> Scene:
+    """The scene with navigation's desired direction: the current one if it is among the best, else one of those."""
+    values = task.direction_values[scene.goal_room, scene.human_row, scene.human_col]
+    best = greedy(values, random)
+    if values[scene.desired_direction] == values[best]:
+        best = scene.desired_direction
+    return with_aims(scene, best, scene.goal_room)
+
+
+@BEGIN_TRIAL.of(Visit)
+def begin_trial(task: Visit, last: Scene, random: RandomState) -> Scene:
+    """The world's start, with a direction from navigation."""
+    return directed(task, begin_visit(task.world, last, random), random)
+
+
+@STEP.of(Visit)
+def step(task: Visit, scene: Scene, action: int, random: RandomState) -> tuple[Scene, float, float]:
+    """One step: the reward of the visit, and the social one, which the social module learns from."""
+    executed = action
+    if action == Action.GO_TO_HUMAN_VISION:
+        executed = greedy(task.go_to_human[go_to_human_state(scene)], random)
+    after, reward = step_visit(task.world, scene, executed, random)
+    social = 0.0
+    if task.pays_social_reward and follows_in_direction(after, scene.desired_direction):
+        social = 1.0
+    return directed(task, after, random), reward, social
+
+
+@OBSERVE.of(Visit)
+def observe(task: Visit, scene: Scene) -> int:
+    """The social module's state."""
+    return social_state(scene)

@@ -1,0 +1,83 @@
+"""The task `go_to_human`: get to where the human sees and faces the robot; the human stands still."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from visitlab_cli.compiled import kernel
+from visitlab_cli.random_numbers import RandomState
+from visitlab_cli.world.enums import (
+    N_DIRECTIONS,
+    N_DISTANCES,
+    N_PHYSICAL_ACTIONS,
+    Action,
+    Engagement,
+    InteractionLevel,
+)
+from visitlab_cli.world.geometry import DISTANCES, Geometry, is_appropriate, make_geometry
+from visitlab_cli.world.grid import LAB_SIZE, Grid, make_grid
+from visitlab_cli.world.robot import acted
+from visitlab_cli.world.scene import Body, Scene, human_of, random_body, robot_of, scene_of
+from visitlab_cli.world.task import BEGIN_TRIAL, OBSERVE, STEP
+
+N_STATES = N_DIRECTIONS * N_DIRECTIONS * N_DISTANCES
+N_ACTIONS = N_PHYSICAL_ACTIONS
+
+
+class GoToHuman(NamedTuple):
+    """`seen_is_enough`: success where the human merely sees the robot, not only where it faces it."""
+
+    grid: Grid
+    geometry: Geometry
+    trial_steps: int
+    seen_is_enough: bool
+
+
+def make_go_to_human(
+    trial_steps: int = 20, success: str = "facing", distances: Sequence[int] = DISTANCES
+) -> GoToHuman:
+    """The task in the lab; `success` is `facing` or `seen`."""
+    geometry = make_geometry(LAB_SIZE, distances)
+    return GoToHuman(make_grid(LAB_SIZE, LAB_SIZE), geometry, trial_steps, success == "seen")
+
+
+@kernel
+def go_to_human_state(scene: Scene) -> int:
+    """State index: angle + 8 (human_heading + 8 distance)."""
+    return scene.angle + N_DIRECTIONS * (scene.human_heading + N_DIRECTIONS * scene.distance)
+
+
+@kernel
+def is_success(scene: Scene, seen_is_enough: bool) -> bool:
+    """At an appropriate distance and faced (or seen) by the human, whatever the robot's heading."""
+    level = scene.interaction_level
+    faced = level == InteractionLevel.HUMAN_FACES or level == InteractionLevel.BOTH_FACE  # noqa: PLR1714
+    seen = seen_is_enough and level != InteractionLevel.NOT_SEEN
+    return is_appropriate(scene.distance) and (faced or seen)
+
+
+@kernel
+def _scene(task: GoToHuman, robot: Body, human: Body, action: int) -> Scene:
+    return scene_of(task.geometry, robot, human, Engagement.NONE.value, action, Action.STAY.value, 0, 0)
+
+
+@BEGIN_TRIAL.of(GoToHuman)
+def begin_trial(task: GoToHuman, last: Scene, random: RandomState) -> Scene:
+    """All cells and headings random."""
+    robot = random_body(task.grid, random)
+    human = random_body(task.grid, random)
+    return _scene(task, robot, human, Action.NO_ACTION.value)
+
+
+@STEP.of(GoToHuman)
+def step(task: GoToHuman, scene: Scene, action: int, random: RandomState) -> tuple[Scene, float, float]:
+    """A reward of 1 where the step ends in success."""
+    robot = acted(task.grid, robot_of(scene), action, scene.angle)
+    after = _scene(task, robot, human_of(scene), action)
+    reward = 1.0 if is_success(after, task.seen_is_enough) else 0.0
+    return after, reward, reward
+
+
+@OBSERVE.of(GoToHuman)
+def observe(task: GoToHuman, scene: Scene) -> int:
+    """`go_to_human_state`."""
+    return go_to_human_state(scene)
