@@ -1,0 +1,79 @@
+"""The table of a run: for each module and visit the mean over its seeds, beside what the config expects of it."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from visitlab_cli.config.model import Config
+from visitlab_cli.execution.cells import Cell
+from visitlab_cli.storage.cell_folder import read_cell
+from visitlab_cli.world.columns import VISIT
+
+
+@dataclass(frozen=True)
+class Result:
+    """One line of the table; `value` is None while no cell of the group is done."""
+
+    group: str
+    measure: str
+    done: int
+    cells: int
+    value: float | None
+    expected: float | None = None
+    tolerance: float | None = None
+
+    @property
+    def difference(self) -> float | None:
+        """Value less expected value, where both are there."""
+        return None if self.value is None or self.expected is None else self.value - self.expected
+
+    @property
+    def missed(self) -> bool:
+        """Whether the difference is beyond the tolerance."""
+        return self.difference is not None and self.tolerance is not None and abs(self.difference) > self.tolerance
+
+    def as_json(self) -> dict[str, Any]:
+        """The line as plain values."""
+        return {
+            "name": self.group,
+            "measure": self.measure,
+            "cells_done": self.done,
+            "cells": self.cells,
+            "value": self.value,
+            "expected": self.expected,
+            "tolerance": self.tolerance,
+            "difference": self.difference,
+            "within_tolerance": None if self.difference is None else not self.missed,
+        }
+
+
+MEASURES = {
+    True: ("mean_reward_last_tenth", "goals a trial, last tenth"),
+    False: ("mean_reward_last_hundredth", "reward a trial, last 1%"),
+}
+
+
+def results(run: Path, config: Config, cells: Sequence[Cell]) -> list[Result]:
+    """A line for each group of cells that differ in nothing but their seeds."""
+    groups: dict[str, list[Cell]] = {}
+    for cell in cells:
+        groups.setdefault(cell.group, []).append(cell)
+    lines = []
+    for group, members in groups.items():
+        key, measure = MEASURES[members[0].task == VISIT]
+        facts = [found for cell in members if (found := read_cell(run / cell.path)) is not None]
+        value = sum(each[key] for each in facts) / len(facts) if facts else None
+        expected = config.expected.get(group)
+        lines.append(
+            Result(
+                group,
+                measure,
+                len(facts),
+                len(members),
+                value,
+                expected.value if expected else None,
+                expected.tolerance if expected else None,
+            )
+        )
+    return lines

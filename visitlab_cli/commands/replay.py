@@ -1,0 +1,5 @@
+"""`visitlab replay`: a trial in the Rerun viewer."""
+
+
+def command() -> None:
+    """To come."""

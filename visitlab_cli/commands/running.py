@@ -1,0 +1,82 @@
+"""What `run`, `train` and `eval` do: run what is missing of a plan, then print the table of results."""
+
+import json
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import typer
+
+from visitlab_cli.errors import RunError
+
+if TYPE_CHECKING:
+    from visitlab_cli.analysis.results import Result
+    from visitlab_cli.config.model import Config
+    from visitlab_cli.execution.cells import Cell
+
+
+def run_and_tell(
+    run: Path, config: "Config", cells: Sequence["Cell"], *, workers: int, as_json: bool, quiet: bool
+) -> None:
+    """Run the missing cells and print the results.
+
+    Raises:
+        RunError: a cell failed, or a value is not what the config expects.
+    """
+    from visitlab_cli.analysis.results import results
+    from visitlab_cli.execution.progress import Progress
+    from visitlab_cli.execution.runner import missing_cells, run_cells
+    from visitlab_cli.execution.warm_up import warm_up
+
+    progress = Progress(quiet)
+    missing = missing_cells(run, cells)
+    if missing:
+        progress.say(f"{run}: {len(missing)} of {len(cells)} cells to do")
+        warm_up(missing, progress.say)
+    failures = run_cells(run, cells, workers or cores(), progress)
+    lines = results(run, config, cells)
+    if as_json:
+        typer.echo(json.dumps({"run": str(run), "results": [line.as_json() for line in lines]}, indent=2))
+    else:
+        typer.echo(table(lines))
+        typer.echo(f"\n{run}")
+    if failures:
+        path, line = next(iter(failures.items()))
+        more = f" (and {len(failures) - 1} more)" if len(failures) > 1 else ""
+        raise RunError(f"{path}: {line}{more}")
+    missed = [line.group for line in lines if line.missed]
+    if missed:
+        raise RunError(f"not within the tolerance of what the config expects: {', '.join(missed)}")
+
+
+def cores() -> int:
+    """The cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def table(lines: Sequence["Result"]) -> str:
+    """The results as aligned columns; what is not known is a dash."""
+    expecting = any(line.expected is not None for line in lines)
+    head = ["module or visit", "measure", "cells", "value"]
+    rows = [head + (["expected", "difference", "tolerance"] if expecting else [])]
+    for line in lines:
+        row = [line.group, line.measure, f"{line.done}/{line.cells}", _number(line.value, "")]
+        if expecting:
+            numbers = (line.expected, ""), (line.difference, "+"), (line.tolerance, "")
+            row += [_number(value, sign) for value, sign in numbers] + (["MISSED"] if line.missed else [])
+        rows.append(row)
+    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
+    return "\n".join(_aligned(row, widths) for row in rows)
+
+
+def _number(value: float | None, sign: str) -> str:
+    return "-" if value is None else f"{value:{sign}.2f}"
+
+
+def _aligned(row: list[str], widths: list[int]) -> str:
+    cells = [
+        cell.ljust(width) if column < 2 else cell.rjust(width)
+        for column, (cell, width) in enumerate(zip(row, widths, strict=False))
+    ]
+    return "  ".join(cells + row[len(widths) :]).rstrip()

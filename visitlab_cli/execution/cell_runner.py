@@ -1,0 +1,125 @@
+"""One cell from beginning to end: build, play block by block, record, save, commit."""
+
+import contextlib
+import socket
+import time
+from collections.abc import Callable
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from visitlab_cli.agents.greedy_table import GreedyTable
+from visitlab_cli.agents.base import Saved
+from visitlab_cli.config.canonical import hashed_yaml
+from visitlab_cli.execution.build import Simulation, build
+from visitlab_cli.execution.cells import Cell
+from visitlab_cli.execution.versions import versions
+from visitlab_cli.random_numbers import RandomState, random_state
+from visitlab_cli.recording.writer import StepRecorder
+from visitlab_cli.simulation.loop import BLOCK_ROWS, START, play
+from visitlab_cli.storage.arrays import read_model, write_model, write_trials
+from visitlab_cli.storage.cell_folder import MODEL, STEPS, TRIALS, NewCell
+from visitlab_cli.world.columns import VISIT, empty_columns
+
+Report = Callable[[int], None]
+"""Told after each block how many steps of the cell are done; raises `Interrupted` to stop it."""
+
+STREAM = "simulation"
+
+
+def run_cell(run: Path, cell: Cell, report: Report) -> None:
+    """Simulate `cell` and commit its folder in the run folder `run`.
+
+    Raises:
+        RunError: a model is damaged, or something can't be written.
+        Interrupted: `report` said so; nothing is left behind.
+    """
+    started = time.perf_counter()
+    start = datetime.now(UTC)
+    models = {module: read_model(run / path / MODEL) for module, path in cell.modules.items()}
+    simulation = build(cell, models)
+    random = random_state(cell.config.seed, cell.path, STREAM)
+    with NewCell(run, cell.path) as new:
+        with _recorder(cell, new.folder / STEPS) as record:
+            trial_rewards, playing = simulate(simulation, random, record, report)
+        write_trials(new.folder / TRIALS, trial_rewards, with_goals=cell.task == VISIT)
+        write_model(new.folder / MODEL, saved_model(simulation, random))
+        seconds = time.perf_counter() - started
+        new.commit(_facts(cell, trial_rewards), _timing(start, seconds, cell.steps / playing))
+
+
+Record = Callable[[Any, int], None]
+
+
+def simulate(
+    simulation: Simulation, random: RandomState, record: Record, report: Report
+) -> tuple[np.ndarray[Any, np.dtype[np.float64]], float]:
+    """Play to the end in blocks: the rewards of all trials, shape (trials,), and the seconds spent playing."""
+    columns = empty_columns(BLOCK_ROWS)
+    trial_rewards = np.zeros(simulation.trials)
+    cursor, playing = START, 0.0
+    while cursor.steps < simulation.steps:
+        begun = time.perf_counter()
+        cursor, rows = play(
+            simulation.task, simulation.agent, cursor, simulation.steps, random, columns, trial_rewards
+        )
+        playing += time.perf_counter() - begun
+        record(columns, rows)
+        report(cursor.steps)
+    return trial_rewards, playing
+
+
+@contextlib.contextmanager
+def _recorder(cell: Cell, file: Path):  # type: ignore[no-untyped-def]
+    one_trial_in = cell.config.record.one_trial_in
+    if not one_trial_in:
+        yield lambda columns, rows: None
+        return
+    attributes = {
+        "cell": cell.path,
+        "seed": str(cell.seed),
+        "config_hash": cell.run_hash,
+        "version": versions()["visitlab"],
+    }
+    document = hashed_yaml(cell.config).encode()
+    with StepRecorder(
+        file, cell.task, attributes=attributes, config_yaml=document, one_trial_in=one_trial_in
+    ) as recorder:
+        yield recorder.write
+
+
+def saved_model(simulation: Simulation, random: RandomState) -> Saved:
+    """The arrays of `model.npz`: the agent's, and the state that the random stream is left in."""
+    agent = simulation.agent
+    saved = {"q": agent.q} if isinstance(agent, GreedyTable) else simulation.parameters.save(agent)
+    return {**saved, "random_state": random}
+
+
+def _facts(cell: Cell, trial_rewards: np.ndarray[Any, np.dtype[np.float64]]) -> dict[str, Any]:
+    return {
+        "cell": cell.path,
+        "seed": cell.seed,
+        "steps": cell.steps,
+        "trials": len(trial_rewards),
+        "mean_reward_last_hundredth": last_mean(trial_rewards, 100),
+        "mean_reward_last_tenth": last_mean(trial_rewards, 10),
+        "config_hash": cell.run_hash,
+        "versions": versions(),
+    }
+
+
+def last_mean(trial_rewards: np.ndarray[Any, np.dtype[np.float64]], part: int) -> float:
+    """Mean of the last `1 / part` of the trials, at least of one."""
+    return float(trial_rewards[-max(1, len(trial_rewards) // part) :].mean())
+
+
+def _timing(start: datetime, seconds: float, steps_per_second: float) -> dict[str, Any]:
+    return {
+        "start": start.isoformat(),
+        "end": datetime.now(UTC).isoformat(),
+        "seconds": round(seconds, 3),
+        "steps_per_second": round(steps_per_second),
+        "host": socket.gethostname(),
+    }

@@ -1,0 +1,176 @@
+"""From a config to its cells: every (experiment, agent, human, vary point, model, seed), and what each waits for."""
+
+import hashlib
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+from visitlab_cli.config.canonical import config_hash
+from visitlab_cli.config.experiments import Experiment, SocialTraining, Training, Visit
+from visitlab_cli.config.grid import label, variants
+from visitlab_cli.config.model import Config
+from visitlab_cli.world.columns import GO_TO_HUMAN, NAVIGATION, SOCIAL
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One simulation: a pure function of its config and seeds.
+
+    `path` is where it lies in the run folder and what names its random stream; `modules` are the paths of the
+    trained cells that a visit is assembled from, by the module's name.
+    """
+
+    path: str
+    config: Config  # at the cell's point of the grid
+    run_hash: str
+    experiment: str
+    seed: int
+    agent: str = ""
+    human: str = ""
+    modules: dict[str, str] = field(default_factory=dict)
+    frozen: bool = False
+
+    @property
+    def settings(self) -> Experiment:
+        """The experiment as the config declares it."""
+        return self.config.experiments[self.experiment]
+
+    @property
+    def task(self) -> str:
+        """The task's name."""
+        return self.settings.task
+
+    @property
+    def group(self) -> str:
+        """What cells that differ in nothing but their seeds share: the path without model and seed."""
+        parts = self.path.split("/")
+        return "/".join(part for part in parts if not part.startswith((SEED, MODEL)))
+
+    @property
+    def steps(self) -> int:
+        """Steps of the whole cell."""
+        settings = self.settings
+        return settings.trials * settings.trial_steps if isinstance(settings, Visit) else settings.steps
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """Visits with options of their own, on the models of a run: what differs from the config."""
+
+    humans: tuple[str, ...] = ()
+    trials: int | None = None
+    frozen: bool = False
+
+    @property
+    def folder(self) -> str:
+        """Where their cells lie in the run folder; empty where nothing differs."""
+        if self == Evaluation():
+            return ""
+        options = json.dumps([self.humans, self.trials, self.frozen])
+        return f"evaluations/{hashlib.sha256(options.encode()).hexdigest()[:8]}/"
+
+
+SEED, MODEL = "seed-", "model-"
+
+
+@dataclass(frozen=True)
+class _Point:
+    """One point of the grid, and the folder names of the values that it sets, by path."""
+
+    config: Config
+    labels: dict[str, str]
+    run_hash: str
+
+    def labels_of(self, used: set[str]) -> str:
+        """The names of those values that lie in a `used` part of the config."""
+
+        def matters(path: str) -> bool:
+            return any(path == part or path.startswith(part + ".") for part in used)
+
+        return ",".join(name for path, name in self.labels.items() if matters(path))
+
+
+def plan(config: Config, evaluation: Evaluation | None = None) -> list[Cell]:
+    """All cells of a config, trainings before the visits that need them; with `evaluation` only those visits."""
+    cells: dict[str, Cell] = {}
+    run_hash = config_hash(config)
+    for variant in variants(config):
+        labels = {path: label(path, value, config.vary[path]) for path, value in variant.values.items()}
+        point = _Point(variant.config, labels, run_hash)
+        for name, settings in variant.config.experiments.items():
+            if isinstance(settings, Visit):
+                made = _visits(point, name, evaluation or Evaluation())
+            else:
+                made = _trainings(point, name, settings) if evaluation is None else iter(())
+            for cell in made:
+                cells.setdefault(cell.path, cell)
+    return sorted(cells.values(), key=lambda cell: isinstance(cell.settings, Visit))
+
+
+def _seed(seed: int) -> str:
+    return f"{SEED}{seed:04d}"
+
+
+def _trainings(point: _Point, name: str, settings: Training) -> Iterator[Cell]:
+    for agent in settings.agents:
+        for human in settings.humans if isinstance(settings, SocialTraining) else ("",):
+            for seed in range(point.config.seeds):
+                path = _training_path(point, (name, agent, human), seed)
+                yield Cell(path, point.config, point.run_hash, name, seed, agent, human)
+
+
+def _training_path(point: _Point, training: tuple[str, str, str], seed: int) -> str:
+    labels = point.labels_of(_used_by_training(point.config, *training))
+    return "/".join(filter(None, (*training, labels, _seed(seed))))
+
+
+def _visits(point: _Point, name: str, evaluation: Evaluation) -> Iterator[Cell]:
+    config = point.config
+    settings = config.experiments[name]
+    assert isinstance(settings, Visit)
+    if evaluation.trials is not None:
+        settings = settings.model_copy(update={"trials": evaluation.trials})
+        config = config.model_copy(update={"experiments": {**config.experiments, name: settings}})
+    modules = {
+        module: resolve_module(config, getattr(settings.modules, module))
+        for module in (NAVIGATION, GO_TO_HUMAN, SOCIAL)
+    }
+    for human in evaluation.humans or settings.humans:
+        used = {f"experiments.{name}", f"humans.{human}", *EVERY_CELL, INTERACTION}
+        labels = point.labels_of(used.union(*(_used_by_training(config, *module) for module in modules.values())))
+        for seed, model_seed in _seed_pairs(settings.models, config.seeds):
+            model = f"{MODEL}{model_seed:04d}" if settings.models == "crossed" else ""
+            path = evaluation.folder + "/".join(filter(None, (name, human, labels, model, _seed(seed))))
+            needed = {module: _training_path(point, where, model_seed) for module, where in modules.items()}
+            agent = modules[SOCIAL][1]
+            yield Cell(path, config, point.run_hash, name, seed, agent, human, needed, evaluation.frozen)
+
+
+def _seed_pairs(models: str, seeds: int) -> list[tuple[int, int]]:
+    """The (visit seed, training seed) pairs of `models: paired | first | crossed`."""
+    if models == "crossed":
+        return [(seed, model) for model in range(seeds) for seed in range(seeds)]
+    return [(seed, 0 if models == "first" else seed) for seed in range(seeds)]
+
+
+def resolve_module(config: Config, reference: str) -> tuple[str, str, str]:
+    """The `(experiment, agent, human)` that a visit's module names; the human may be left out if there is one."""
+    experiment, agent, *human = reference.split("/")
+    settings = config.experiments[experiment]
+    if not human and isinstance(settings, SocialTraining):
+        human = [settings.humans[0]]
+    return experiment, agent, "".join(human)
+
+
+EVERY_CELL = ("seed", "record")
+INTERACTION = "interaction"
+
+
+def _used_by_training(config: Config, name: str, agent: str, human: str) -> set[str]:
+    """The parts of the config that a training's result depends on, as dotted paths."""
+    parameters = config.agents[agent]
+    agents = {agent, *(getattr(parameters, reference) for reference in parameters.references)}
+    used = {f"experiments.{name}", *(f"agents.{each}" for each in agents), *EVERY_CELL}
+    if human:
+        used.add(f"humans.{human}")
+    return used if config.experiments[name].task == NAVIGATION else used | {INTERACTION}

@@ -1,0 +1,149 @@
+"""Running what is missing of a plan: order, retries, interruption. The run folder alone is the truth."""
+
+import signal
+import threading
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Future, wait
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from visitlab_cli.errors import Interrupted, VisitlabError
+from visitlab_cli.execution.cells import Cell
+from visitlab_cli.execution.progress import Progress
+from visitlab_cli.execution.workers import Workers
+from visitlab_cli.storage.cell_folder import read_cell, remove_leftovers
+
+POLL_SECONDS = 0.1
+DEATHS_GIVEN_UP = 3
+
+Failures = dict[str, str]
+"""What went wrong, one line each, by the cell's path."""
+
+
+def missing_cells(run: Path, cells: Sequence[Cell]) -> list[Cell]:
+    """The cells that are not done."""
+    return [cell for cell in cells if read_cell(run / cell.path) is None]
+
+
+def run_cells(run: Path, cells: Sequence[Cell], workers: int, progress: Progress) -> Failures:
+    """Run the missing ones of `cells` in the run folder `run`; a cell that fails fails alone.
+
+    Raises:
+        Interrupted: by Ctrl-C or SIGTERM; what was finished is kept.
+    """
+    remove_leftovers(run)
+    missing = missing_cells(run, cells)
+    if not missing:
+        return {}
+    pool = Workers(min(workers, len(missing)))
+    with _signals(pool) as stopped, progress.over(missing):
+        try:
+            return _Running(run, missing, pool, progress, stopped).finish()
+        finally:
+            pool.close()
+
+
+class _Running:
+    def __init__(
+        self, run: Path, cells: Sequence[Cell], pool: Workers, progress: Progress, stopped: Callable[[], bool]
+    ) -> None:
+        self.run, self.pool, self.progress, self.stopped = run, pool, progress, stopped
+        self.waiting = list(cells)
+        self.suspects: list[Cell] = []  # were running when a worker died: one of them may have killed it
+        self.running: dict[Future[None], tuple[Cell, int]] = {}
+        self.free_slots = list(range(pool.count))
+        self.deaths: Counter[str] = Counter()
+        self.failures: Failures = {}
+
+    def finish(self) -> Failures:
+        while self.waiting or self.suspects or self.running:
+            if self.stopped():
+                self.pool.stop()
+                self.waiting, self.suspects = [], []
+            for cell in self._startable():
+                slot = self.free_slots.pop()
+                self.running[self.pool.submit(self.run, cell, slot)] = cell, slot
+            done, _ = wait(self.running, timeout=POLL_SECONDS, return_when=FIRST_COMPLETED)
+            for cell, slot in self.running.values():
+                self.progress.update(cell, self.pool.steps_done(slot))
+            self._collect(done)
+        if self.stopped():
+            raise Interrupted("interrupted; what was finished is kept, and the same command goes on from there")
+        return self.failures
+
+    def _startable(self) -> Iterator[Cell]:
+        if self.suspects:
+            if not self.running:
+                yield self.suspects.pop(0)
+            return
+        ahead = {cell.path for cell in self.waiting} | {cell.path for cell, _ in self.running.values()}
+        for cell in list(self.waiting):
+            if not self.free_slots:
+                return
+            needed = cell.modules.values()
+            failed = [path for path in needed if path in self.failures]
+            if failed:
+                self._fail(cell, f"needs {failed[0]}, which failed")
+                self.waiting.remove(cell)
+            elif not any(path in ahead for path in needed):
+                self.waiting.remove(cell)
+                yield cell
+
+    def _collect(self, done: set[Future[None]]) -> None:
+        broken = []
+        for future in done:
+            cell, slot = self.running.pop(future)
+            self.free_slots.append(slot)
+            error = future.exception()
+            if error is None:
+                self.progress.finished(cell, read_cell(self.run / cell.path))
+            elif isinstance(error, BrokenExecutor):
+                broken.append(cell)
+            elif not isinstance(error, Interrupted):
+                self._fail(cell, _in_one_line(error))
+        if broken:
+            broken += [cell for cell, _ in self.running.values()]
+            self.free_slots += [slot for _, slot in self.running.values()]
+            self.running.clear()
+            self.pool.replace()
+            for cell in broken:
+                self.deaths[cell.path] += 1
+                if self.deaths[cell.path] >= DEATHS_GIVEN_UP:
+                    self._fail(cell, f"its worker process died {DEATHS_GIVEN_UP} times (out of memory?)")
+                else:
+                    self.suspects.append(cell)
+
+    def _fail(self, cell: Cell, line: str) -> None:
+        self.failures[cell.path] = line
+        self.progress.failed(cell, line)
+
+
+def _in_one_line(error: BaseException) -> str:
+    if isinstance(error, VisitlabError):
+        return str(error)
+    return f"{type(error).__name__}: {error}".splitlines()[0]
+
+
+@contextmanager
+def _signals(pool: Workers) -> Iterator[Callable[[], bool]]:
+    """Ctrl-C or SIGTERM once: stop after the block; twice: at once."""
+    count = 0
+
+    def on_signal(number: int, frame: Any) -> None:
+        nonlocal count
+        count += 1
+        if count > 1:
+            pool.kill()
+            raise Interrupted("interrupted; what was finished is kept")
+
+    if threading.current_thread() is not threading.main_thread():
+        yield lambda: False
+        return
+    before = {number: signal.signal(number, on_signal) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield lambda: count > 0
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)

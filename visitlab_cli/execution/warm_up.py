@@ -1,0 +1,80 @@
+"""Compiling before the workers start, once, and saying so; a damaged cache is thrown away and made anew."""
+
+import shutil
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from visitlab_cli.compiled import JIT_DISABLED, cache_folder
+from visitlab_cli.errors import VisitlabError
+from visitlab_cli.execution.build import Simulation, build
+from visitlab_cli.execution.cell_runner import simulate
+from visitlab_cli.execution.cells import Cell
+from visitlab_cli.random_numbers import random_state
+from visitlab_cli.world.columns import GO_TO_HUMAN, NAVIGATION, SOCIAL, VISIT, StepColumns
+from visitlab_cli.world.tasks import TASK_SIZES
+
+COMPILED = "compiled-"
+
+
+def warm_up(cells: Sequence[Cell], say: Callable[[str], None]) -> None:
+    """Compile or load the loop for every pair of task and agent among `cells`, telling the user by `say`."""
+    if JIT_DISABLED:
+        return
+    folder = cache_folder()
+    announced = False
+    for name, cell in {_pair(cell): cell for cell in cells}.items():
+        marker = None if folder is None else folder / (COMPILED + name)
+        if not announced and (marker is None or not marker.exists()):
+            announced = True
+            if folder is None:
+                say("compiling (each time: no cache folder can be written; set VISITLAB_CACHE to one that can)")
+            else:
+                say("compiling (first run only, about ten seconds)")
+        try:
+            _play_one_step(cell)
+        except VisitlabError:
+            raise
+        except Exception:
+            if folder is None:
+                raise
+            say("the cache of compiled code is damaged: compiling again")
+            shutil.rmtree(folder, ignore_errors=True)
+            folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+            _play_one_step(cell)
+        if marker is not None:
+            marker.touch()
+
+
+def _pair(cell: Cell) -> str:
+    """A name for what decides the types that the loop is compiled for."""
+    agent = cell.config.agents[cell.agent]
+    kinds = [cell.task, agent.kind, "frozen" if cell.frozen else ""]
+    watches = getattr(agent, "watches", None)
+    if watches is not None:
+        kinds.append(cell.config.agents[watches].kind)
+    return "-".join(filter(None, kinds))
+
+
+def _play_one_step(cell: Cell) -> None:
+    simulation = _one_step(cell)
+    simulate(simulation, random_state(0, "warm-up"), _forget, lambda steps: None)
+
+
+def _forget(columns: StepColumns, rows: int) -> None:
+    """Record nothing."""
+
+
+def _one_step(cell: Cell) -> Simulation:
+    simulation = build(cell, _empty_models(cell) if cell.task == VISIT else {})
+    return simulation._replace(steps=1, trials=1)
+
+
+def _empty_models(cell: Cell):  # type: ignore[no-untyped-def]
+    from visitlab_cli.agents.base import Setting
+
+    size = TASK_SIZES[SOCIAL]
+    parameters = cell.config.agents[cell.agent]
+    social = parameters.save(parameters.create(Setting(SOCIAL, *size, 1, cell.config.agents)))
+    tables = {module: {"q": np.zeros(TASK_SIZES[module])} for module in (NAVIGATION, GO_TO_HUMAN)}
+    return {**tables, SOCIAL: social}
