@@ -1,0 +1,103 @@
+"""Movement: cells, walls, unit steps, rooms."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+from visitlab_cli.world.enums import Direction
+
+Cell = tuple[int, int]
+
+# (rows down, columns right) of a unit step in each direction; row 0 is north.
+UNIT_STEP: dict[int, Cell] = {
+    Direction.EAST: (0, 1),
+    Direction.NORTH_EAST: (-1, 1),
+    Direction.NORTH: (-1, 0),
+    Direction.NORTH_WEST: (-1, -1),
+    Direction.WEST: (0, -1),
+    Direction.SOUTH_WEST: (1, -1),
+    Direction.SOUTH: (1, 0),
+    Direction.SOUTH_EAST: (1, 1),
+}
+ROOM_SIDE = 8
+
+
+def is_move(action: int) -> bool:
+    return 0 <= action < 24
+
+
+def move_parts(action: int) -> tuple[int, int]:
+    """(speed, direction) of one of the 24 moves."""
+    if not is_move(action):
+        raise ValueError(f"action {action} is no move")
+    return action // 8 + 1, action % 8
+
+
+def move_action(speed: int, direction: int) -> int:
+    return 8 * (speed - 1) + direction
+
+
+@dataclass(frozen=True)
+class Grid:
+    """A grid of cells; `walls` holds the pairs of straight neighbours that nobody passes between."""
+
+    height: int = 24
+    width: int = 24
+    walls: frozenset[frozenset[Cell]] = field(default_factory=frozenset)
+
+    @classmethod
+    def with_walls(cls, height: int, width: int, walls: Iterable[tuple[Cell, Cell]] = ()) -> "Grid":
+        pairs = [(tuple(map(int, a)), tuple(map(int, b))) for a, b in walls]
+        for a, b in pairs:
+            if abs(a[0] - b[0]) + abs(a[1] - b[1]) != 1:
+                raise ValueError(f"a wall stands between straight neighbours, not {a} and {b}")
+        return cls(height, width, frozenset(frozenset(pair) for pair in pairs))  # type: ignore[arg-type]
+
+    def holds(self, cell: Cell) -> bool:
+        return 0 <= cell[0] < self.height and 0 <= cell[1] < self.width
+
+    def _open(self, a: Cell, b: Cell) -> bool:
+        return frozenset((a, b)) not in self.walls
+
+    def unit_step(self, cell: Cell, direction: int) -> Cell | None:
+        """The neighbouring cell, or None where the border or a wall is in the way."""
+        down, right = UNIT_STEP[direction]
+        target = (cell[0] + down, cell[1] + right)
+        if not self.holds(target):
+            return None
+        if not self.walls:
+            return target
+        if down == 0 or right == 0:
+            return target if self._open(cell, target) else None
+        for corner in ((cell[0] + down, cell[1]), (cell[0], cell[1] + right)):
+            if not (self._open(cell, corner) and self._open(corner, target)):
+                return None
+        return target
+
+    def move(self, cell: Cell, speed: int, direction: int) -> Cell:
+        """`speed` unit steps; the first one that is blocked ends the move."""
+        for _ in range(speed):
+            neighbour = self.unit_step(cell, direction)
+            if neighbour is None:
+                return cell
+            cell = neighbour
+        return cell
+
+    def after(self, cell: Cell, action: int) -> Cell:
+        """Where an action leaves whoever takes it; only moves change the cell."""
+        if not is_move(action):
+            return cell
+        return self.move(cell, *move_parts(action))
+
+    def room(self, cell: Cell) -> int:
+        return cell[0] // ROOM_SIDE * (self.width // ROOM_SIDE) + cell[1] // ROOM_SIDE
+
+    @property
+    def n_rooms(self) -> int:
+        return (self.height // ROOM_SIDE) * (self.width // ROOM_SIDE)
+
+    @property
+    def n_cells(self) -> int:
+        return self.height * self.width
+
+    def cell_number(self, cell: Cell) -> int:
+        return cell[0] * self.width + cell[1]

@@ -1,0 +1,168 @@
+"""What the oracle must know of a cell besides its log: the task and its parameters."""
+
+from collections.abc import Callable, Collection, Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from visitlab_cli.world.enums import Action
+
+from .rules import DISTANCES, Cell, Grid, Human
+
+TASKS = ("navigation", "go_to_human", "social", "visit")
+# (goal_room, cell number) -> the best directions; as an array: bool [rooms, cells, 8]
+BestDirections = Callable[[int, int], Collection[int]] | np.ndarray
+# go_to_human state -> its greedy actions; as an array: bool [320, 25]
+GreedyMoves = Callable[[int], Collection[int]] | np.ndarray
+
+PHYSICAL = (
+    "trial",
+    "step",
+    "state",
+    "action",
+    "explored",
+    "reward",
+    "robot_row",
+    "robot_col",
+    "robot_heading",
+)
+WITH_HUMAN = ("human_row", "human_col", "human_heading", "interaction_level", "distance", "angle")
+LEADING = ("human_action", "desired_direction")
+COLUMNS: dict[str, tuple[str, ...]] = {
+    "navigation": (*PHYSICAL, "goal_room"),
+    "go_to_human": (*PHYSICAL, *WITH_HUMAN),
+    "social": (*PHYSICAL, *WITH_HUMAN, *LEADING),
+    "visit": (*PHYSICAL, *WITH_HUMAN, *LEADING, "goal_room", "executed_action", "social_reward"),
+}
+
+
+@dataclass(frozen=True)
+class Settings:
+    """The keywords of `check_log` and `check_frequencies`."""
+
+    task: str
+    human: Mapping[str, Any] | Human | None = None  # p_S, p_H, p_M, p_O, p_A, p_P: social and visit
+    trial_steps: int | None = None  # 20; 100 in a visit
+    height: int = 24
+    width: int = 24
+    arena: int = 120  # the side of the social task's grid
+    walls: Iterable[tuple[Cell, Cell]] = ()
+    distances: tuple[int, ...] = DISTANCES
+    direction_change: float = 0.2  # social
+    success: str = "facing"  # go_to_human: facing | seen
+    goal_rooms: Collection[int] | str = "all"  # visit
+    social_reward: str = "social"  # visit: social | none
+    epsilon: float | None = None  # None: exploration is not checked
+    best_directions: BestDirections | None = None  # visit; None: any direction passes
+    greedy_moves: GreedyMoves | None = None  # visit: what go_to_human may pick; None: any move passes
+    trial_stride: int = 1  # 10 where one trial in ten was recorded
+    partial_last_trial: bool = False
+
+    def __post_init__(self) -> None:
+        if self.task not in TASKS:
+            raise ValueError(f"no task {self.task!r}; known: {', '.join(TASKS)}")
+        if self.has_reactions and self.human is None:
+            raise ValueError(f"{self.task} needs the human's parameters")
+        if self.success not in ("facing", "seen") or self.social_reward not in ("social", "none"):
+            raise ValueError(
+                f"unknown option: success {self.success!r}, social_reward {self.social_reward!r}"
+            )
+        if len(self.distances) != 4:
+            raise ValueError("distances are four thresholds")
+
+    @property
+    def has_human(self) -> bool:
+        return self.task != "navigation"
+
+    @property
+    def has_reactions(self) -> bool:
+        """Whether the human engages, moves and looks around."""
+        return self.task in ("social", "visit")
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        return COLUMNS[self.task]
+
+    @property
+    def n_actions(self) -> int:
+        return 30 if self.has_reactions else 25
+
+    @property
+    def steps_in_trial(self) -> int:
+        return self.trial_steps if self.trial_steps is not None else (100 if self.task == "visit" else 20)
+
+    def make_grid(self) -> Grid:
+        height, width = (self.arena, self.arena) if self.task == "social" else (self.height, self.width)
+        return Grid.with_walls(height, width, self.walls)
+
+    def make_human(self) -> Human:
+        assert self.human is not None
+        return Human.of(self.human)
+
+    def goals(self, grid: Grid) -> frozenset[int]:
+        """The rooms that goals are drawn from."""
+        if self.task == "navigation" or self.goal_rooms == "all":
+            return frozenset(range(grid.n_rooms))
+        if isinstance(self.goal_rooms, str):
+            raise ValueError(f"goal_rooms is `all` or rooms, not {self.goal_rooms!r}")
+        return frozenset(int(room) for room in self.goal_rooms)
+
+    def directions_at(self, goal_room: int, cell: int) -> frozenset[int]:
+        """The desired directions that navigation holds best; all where it is not known."""
+        return _choices(self.best_directions, (goal_room, cell), 8)
+
+    def moves_at(self, state: int) -> frozenset[int]:
+        """What the go_to_human module may pick; every move and stay where it is not known."""
+        return _choices(self.greedy_moves, (state,), 25)
+
+
+def _choices(source: Any, key: tuple[int, ...], n: int) -> frozenset[int]:
+    if source is None:
+        return frozenset(range(n))
+    if callable(source):
+        return frozenset(int(choice) for choice in source(*key))
+    return frozenset(int(choice) for choice in np.flatnonzero(source[key]))
+
+
+def best_directions_of(q: np.ndarray, grid: Grid) -> np.ndarray:
+    """From navigation's Q [rooms * cells, 25]: the best means over speeds [rooms, cells, 8]."""
+    slow, middle, fast = (q[:, 8 * speed : 8 * speed + 8] for speed in range(3))
+    mean = (slow + middle + fast) / 3
+    best: np.ndarray = mean == mean.max(axis=1, keepdims=True)
+    return best.reshape(-1, grid.n_cells, 8)
+
+
+def greedy_moves_of(q: np.ndarray) -> np.ndarray:
+    """From go_to_human's Q [320, 25]: the exact maximisers [320, 25]."""
+    return np.asarray(q == q.max(axis=1, keepdims=True))
+
+
+def ranges(settings: Settings, grid: Grid) -> dict[str, tuple[int, int]]:
+    """The lowest and the highest value that each column may hold anywhere."""
+    states = {"navigation": grid.n_rooms * grid.n_cells, "go_to_human": 320, "social": 2560, "visit": 2560}
+    row, col, eight = (0, grid.height - 1), (0, grid.width - 1), (0, 7)
+    action = (0, int(Action.NO_ACTION))
+    known = {
+        "trial": (0, 2**32 - 1),
+        "step": (0, settings.steps_in_trial),
+        "state": (0, states[settings.task] - 1),
+        "action": action,
+        "executed_action": action,
+        "human_action": action,
+        "explored": (0, 1),
+        "reward": (0, 1),
+        "social_reward": (0, 1),
+        "robot_row": row,
+        "robot_col": col,
+        "human_row": row,
+        "human_col": col,
+        "robot_heading": eight,
+        "human_heading": eight,
+        "interaction_level": eight,
+        "distance": (0, 4),
+        "angle": eight,
+        "desired_direction": eight,
+        "goal_room": (0, grid.n_rooms - 1),
+    }
+    return {name: known[name] for name in settings.columns}
