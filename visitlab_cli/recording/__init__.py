@@ -1,0 +1,1 @@
+"""The log of a cell: schema, MCAP writer and reader."""

@@ -1,0 +1,113 @@
+"""What recording costs: CPU and bytes a step, and how much faster it is than the mcap-protobuf writer.
+
+    python -m benchmarks.recording [LOG ...]
+
+Each LOG, a steps.mcap of a run, is recorded anew. Without one, for each task, steps whose fields are drawn
+independently and uniformly from their ranges: a log of a simulation repeats itself and is smaller.
+"""
+
+import argparse
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+from google.protobuf.descriptor_pool import DescriptorPool
+from google.protobuf.message_factory import GetMessageClass
+from mcap_protobuf.writer import Writer
+
+from visitlab_cli.recording.reader import read_metadata, read_steps
+from visitlab_cli.recording.schema import STEP_NS, STEP_TOPIC, file_descriptor
+from visitlab_cli.recording.writer import StepRecorder
+from visitlab_cli.world.columns import FLOAT, SOCIAL, TASKS, VISIT, StepColumns, columns_of, empty_columns
+
+BLOCK_ROWS = 8192
+STEPS = 40 * BLOCK_ROWS
+STEPS_OF_STOCK_WRITER = 20_000
+REPEATS = 3
+RANGES = {"state": 2560, "distance": 5, "goal_room": 9}
+GRID = {SOCIAL: 120}
+
+
+def drawn_steps(task: str) -> StepColumns:
+    """Whole trials of the task's usual length with uniform values."""
+    random = np.random.default_rng(0)
+    trial_rows = 101 if task == VISIT else 21
+    columns = empty_columns(STEPS)
+    for column in columns_of(task):
+        values = getattr(columns, column.name)
+        is_flag = column.type == FLOAT or values.dtype == np.bool_
+        largest = 2 if is_flag else len(column.enum) if column.enum else GRID.get(task, 24)
+        values[:] = random.integers(0, RANGES.get(column.name, largest), STEPS)
+    columns.trial[:] = np.arange(STEPS) // trial_rows
+    columns.step[:] = np.arange(STEPS) % trial_rows
+    return columns
+
+
+def logged_steps(path: Path) -> StepColumns:
+    """The steps of a log."""
+    found = read_steps(path)
+    columns = empty_columns(len(found["trial"]))
+    return columns._replace(**found)
+
+
+def record(path: Path, task: str, columns: StepColumns) -> None:
+    with StepRecorder(path, task, attributes={}, config_yaml=b"") as recorder:
+        for start in range(0, len(columns.trial), BLOCK_ROWS):
+            block = StepColumns(*(values[start : start + BLOCK_ROWS] for values in columns))
+            recorder.write(block, len(block.trial))
+
+
+def record_with_stock_writer(path: Path, task: str, columns: StepColumns) -> None:
+    pool = DescriptorPool()
+    pool.Add(file_descriptor())
+    message = GetMessageClass(pool.FindMessageTypeByName("visitlab.Step"))
+    names = [column.name for column in columns_of(task)]
+    lists = [getattr(columns, name)[:STEPS_OF_STOCK_WRITER].tolist() for name in names]
+    with path.open("wb") as file, Writer(file) as writer:
+        for number, row in enumerate(zip(*lists, strict=True)):
+            now = number * STEP_NS
+            step = message(**dict(zip(names, row, strict=True)))
+            writer.write_message(STEP_TOPIC, step, log_time=now, publish_time=now, sequence=number)
+
+
+def cpu_seconds(
+    write: Callable[[Path, str, StepColumns], None], path: Path, task: str, columns: StepColumns
+) -> float:
+    """The least CPU time of a few repeats."""
+    seconds = []
+    for _ in range(REPEATS):
+        start = time.process_time()
+        write(path, task, columns)
+        seconds.append(time.process_time() - start)
+    return min(seconds)
+
+
+def compare(name: str, task: str, columns: StepColumns, folder: Path) -> None:
+    """Print one line of the table."""
+    ours, stock = folder / "ours.mcap", folder / "stock.mcap"
+    steps = len(columns.trial)
+    our_cost = cpu_seconds(record, ours, task, columns) / steps
+    stock_steps = min(steps, STEPS_OF_STOCK_WRITER)
+    stock_cost = cpu_seconds(record_with_stock_writer, stock, task, columns) / stock_steps
+    print(
+        f"{name:24} {our_cost * 1e6:8.2f} {ours.stat().st_size / steps:8.1f}"
+        f" {stock_cost * 1e6:10.1f} {stock.stat().st_size / stock_steps:10.1f} {stock_cost / our_cost:8.0f}"
+    )
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("logs", nargs="*", type=Path, metavar="LOG", help="a steps.mcap of a run")
+    logs = parser.parse_args().logs
+    print(f"{'':24} {'us/step':>8} {'B/step':>8} {'stock us':>10} {'stock B':>10} {'faster':>8}")
+    with tempfile.TemporaryDirectory() as folder:
+        for log in logs:
+            compare(log.parent.name or log.name, read_metadata(log)["task"], logged_steps(log), Path(folder))
+        for task in () if logs else TASKS:
+            compare(f"{task}, uniform", task, drawn_steps(task), Path(folder))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,197 @@
+"""An MCAP file whose chunks are blocks of records of constant size, with every index and CRC filled in.
+
+Written front to back in bounded memory; what is kept until the end is one small index record a chunk. The
+stock writer adds messages one by one, which is what this module is here to avoid. It holds no wall clock: the
+same calls give the same bytes. Format: mcap.dev/spec.
+"""
+
+import contextlib
+import os
+import struct
+import zlib
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import zstandard
+from mcap.data_stream import RecordBuilder
+from mcap.opcode import Opcode
+from mcap.records import (
+    Attachment,
+    AttachmentIndex,
+    Channel,
+    Chunk,
+    ChunkIndex,
+    DataEnd,
+    Footer,
+    Header,
+    McapRecord,
+    Metadata,
+    MetadataIndex,
+    Schema,
+    Statistics,
+    SummaryOffset,
+)
+from mcap.well_known import MessageEncoding, SchemaEncoding
+from mcap.writer import MCAP0_MAGIC
+
+from visitlab_cli.recording.layout import Records
+
+COMPRESSION = "zstd"
+# The fast strategy of levels 1 and 2, with a table and a window that fit the processor's cache. Measured on a
+# visit: a fifth less CPU than level 3, which writes 2 bytes a step less.
+_COMPRESSION_PARAMETERS = zstandard.ZstdCompressionParameters(
+    strategy=zstandard.STRATEGY_FAST, window_log=18, hash_log=16, min_match=6
+)
+_INDEX_ENTRY = np.dtype([("log_time", "<u8"), ("offset", "<u8")])
+
+
+class McapFile:
+    """An MCAP file being written. Errors are OSErrors."""
+
+    def __init__(self, path: Path):
+        self._file = path.open("wb")
+        self._compressor = zstandard.ZstdCompressor(compression_params=_COMPRESSION_PARAMETERS)
+        self._position = 0
+        self._crc = 0
+        self._channels: list[Channel] = []
+        self._schemas: list[Schema] = []
+        self._chunks: list[ChunkIndex] = []
+        self._attachments: list[AttachmentIndex] = []
+        self._metadata: list[MetadataIndex] = []
+        self._message_counts: dict[int, int] = {}
+        self._write(MCAP0_MAGIC)
+        self._write(_record_bytes(Header(profile="", library="visitlab")))
+
+    def write_metadata(self, name: str, metadata: dict[str, str]) -> None:
+        """Append a metadata record."""
+        data = _record_bytes(Metadata(name, metadata))
+        self._metadata.append(MetadataIndex(self._position, len(data), name))
+        self._write(data)
+
+    def write_attachment(self, name: str, media_type: str, content: bytes) -> None:
+        """Append an attachment, at time 0."""
+        data = _record_bytes(Attachment(0, 0, name, media_type, content))
+        self._attachments.append(
+            AttachmentIndex(self._position, len(data), 0, 0, len(content), name, media_type)
+        )
+        self._write(data)
+
+    def write_channel(self, channel: int, topic: str, message: str, schema: bytes) -> None:
+        """Append the number and topic of a `channel`, and the `schema` of its protobuf `message`."""
+        self._schemas.append(Schema(channel, schema, SchemaEncoding.Protobuf, message))
+        self._channels.append(Channel(channel, topic, MessageEncoding.Protobuf, {}, channel))
+        self._message_counts[channel] = 0
+        self._write(_record_bytes(self._schemas[-1], self._channels[-1]))
+
+    def write_chunk(self, blocks: Sequence[Records]) -> None:
+        """Append a chunk of `blocks`, each of one channel in the order of its log times, and their indexes.
+
+        An empty block is left out; there is at least one message.
+        """
+        blocks = [block for block in blocks if len(block)]
+        content = b"".join(block.view(np.uint8).data for block in blocks)
+        compressed = self._compressor.compress(content)
+        start = min(int(block["log_time"][0]) for block in blocks)
+        end = max(int(block["log_time"][-1]) for block in blocks)
+        chunk_start = self._position
+        self._write(
+            _record_bytes(Chunk(COMPRESSION, compressed, end, start, zlib.crc32(content), len(content)))
+        )
+        indexes_start, offset = self._position, 0
+        index_offsets = {}
+        for block in blocks:
+            channel = int(block["channel"][0])
+            index_offsets[channel] = self._position
+            self._message_counts[channel] += len(block)
+            self._write(_message_index(channel, block, offset))
+            offset += block.nbytes
+        self._chunks.append(
+            ChunkIndex(
+                chunk_length=indexes_start - chunk_start,
+                chunk_start_offset=chunk_start,
+                compression=COMPRESSION,
+                compressed_size=len(compressed),
+                message_end_time=end,
+                message_index_length=self._position - indexes_start,
+                message_index_offsets=index_offsets,
+                message_start_time=start,
+                uncompressed_size=len(content),
+            )
+        )
+        self.flush()
+
+    def flush(self) -> None:
+        """Hand what is written to the operating system: a killed process leaves it readable."""
+        self._file.flush()
+
+    def finish(self) -> None:
+        """Append the summary, see that the file is on the disk, and close it."""
+        self._write(_record_bytes(DataEnd(self._crc)))
+        summary_start = self._position
+        self._crc = 0
+        offsets: list[SummaryOffset] = []
+        for opcode, records in self._summary().items():
+            group_start = self._position
+            self._write(_record_bytes(*records))
+            offsets.append(SummaryOffset(opcode, group_start, self._position - group_start))
+        offsets_start = self._position
+        self._write(_record_bytes(*offsets))
+        # The summary's CRC covers the footer too, up to the CRC itself.
+        footer = _record_bytes(Footer(summary_start, offsets_start, 0))[: -struct.calcsize("<I")]
+        self._write(footer)
+        self._write(struct.pack("<I", self._crc) + MCAP0_MAGIC)
+        self.flush()
+        os.fsync(self._file.fileno())
+        self._file.close()
+
+    def abandon(self) -> None:
+        """Close the file without a summary; what it holds is not worth an error of the disk."""
+        with contextlib.suppress(OSError):
+            self._file.close()
+
+    def _summary(self) -> dict[Opcode, Sequence[McapRecord]]:
+        groups: dict[Opcode, Sequence[McapRecord]] = {
+            Opcode.SCHEMA: self._schemas,
+            Opcode.CHANNEL: self._channels,
+            Opcode.STATISTICS: [self._statistics()],
+            Opcode.CHUNK_INDEX: self._chunks,
+            Opcode.ATTACHMENT_INDEX: self._attachments,
+            Opcode.METADATA_INDEX: self._metadata,
+        }
+        return {opcode: records for opcode, records in groups.items() if records}
+
+    def _statistics(self) -> Statistics:
+        return Statistics(
+            attachment_count=len(self._attachments),
+            channel_count=len(self._channels),
+            channel_message_counts=self._message_counts,
+            chunk_count=len(self._chunks),
+            message_count=sum(self._message_counts.values()),
+            message_end_time=max((chunk.message_end_time for chunk in self._chunks), default=0),
+            message_start_time=min((chunk.message_start_time for chunk in self._chunks), default=0),
+            metadata_count=len(self._metadata),
+            schema_count=len(self._schemas),
+        )
+
+    def _write(self, data: bytes) -> None:
+        self._file.write(data)
+        self._position += len(data)
+        self._crc = zlib.crc32(data, self._crc)
+
+
+def _record_bytes(*records: McapRecord) -> bytes:
+    builder = RecordBuilder()
+    for record in records:
+        record.write(builder)
+    data: bytes = builder.end()  # type: ignore[no-untyped-call]  # mcap leaves it unannotated
+    return data
+
+
+def _message_index(channel: int, block: Records, offset: int) -> bytes:
+    """The MessageIndex record of a `block` that begins at `offset` in its chunk."""
+    entries = np.empty(len(block), _INDEX_ENTRY)
+    entries["log_time"] = block["log_time"]
+    entries["offset"] = offset + block.itemsize * np.arange(len(block))
+    head = struct.pack("<HI", channel, entries.nbytes)
+    return struct.pack("<BQ", Opcode.MESSAGE_INDEX, len(head) + entries.nbytes) + head + entries.tobytes()
