@@ -37,7 +37,7 @@ def drawn_steps(task: str) -> StepColumns:
     columns = empty_columns(STEPS)
     for column in columns_of(task):
         values = getattr(columns, column.name)
-        is_flag = column.type == FLOAT or values.dtype == np.bool_
+        is_flag = column.kind == FLOAT or values.dtype == np.bool_
         largest = 2 if is_flag else len(column.enum) if column.enum else GRID.get(task, 24)
         values[:] = random.integers(0, RANGES.get(column.name, largest), STEPS)
     columns.trial[:] = np.arange(STEPS) // trial_rows
@@ -72,9 +72,7 @@ def record_with_stock_writer(path: Path, task: str, columns: StepColumns) -> Non
             writer.write_message(STEP_TOPIC, step, log_time=now, publish_time=now, sequence=number)
 
 
-def cpu_seconds(
-    write: Callable[[Path, str, StepColumns], None], path: Path, task: str, columns: StepColumns
-) -> float:
+def cpu_seconds(write: Callable[[Path, str, StepColumns], None], path: Path, task: str, columns: StepColumns) -> float:
     """The least CPU time of a few repeats."""
     seconds = []
     for _ in range(REPEATS):

@@ -9,11 +9,11 @@ import hashlib
 import os
 import platform
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 import llvmlite
 import llvmlite.binding
@@ -26,7 +26,8 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 PACKAGE = Path(__file__).parent
 KERNEL_SOURCES = ("compiled.py", "random_numbers.py", "world", "agents", "simulation")
-JIT_DISABLED = bool(numba.config.DISABLE_JIT)
+_settings: Any = numba.config
+JIT_DISABLED = bool(_settings.DISABLE_JIT)
 
 
 def _kernel_files() -> list[Path]:
@@ -59,22 +60,24 @@ def cache_folder() -> Path | None:
 
 
 @contextmanager
-def _numba_cache(folder: Path):  # type: ignore[no-untyped-def]
-    before = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = str(folder)
+def _numba_cache(folder: Path) -> Iterator[None]:
+    """Let numba choose `folder` for what is decorated within; other people's kernels keep their own place."""
+    before = _settings.CACHE_DIR
+    _settings.CACHE_DIR = str(folder)
     try:
         yield
     finally:
-        numba.config.CACHE_DIR = before
+        _settings.CACHE_DIR = before
 
 
 def kernel(function: Function) -> Function:
     """Compile `function` on its first call, release the GIL in it, and keep its machine code in our cache."""
     folder = cache_folder()
+    compiler: Any = numba.njit
     if JIT_DISABLED or folder is None:
-        return numba.njit(nogil=True)(function)  # type: ignore[no-any-return]
+        return cast(Function, compiler(nogil=True)(function))
     with _numba_cache(folder):
-        return numba.njit(cache=True, nogil=True)(function)  # type: ignore[no-any-return]
+        return cast(Function, compiler(cache=True, nogil=True)(function))
 
 
 class Operation:
@@ -103,7 +106,7 @@ class Operation:
         overload(self.function, strict=False)(scope["choice"])  # annotations may differ, names may not
 
     def _find(self, first: Any) -> Callable[..., Any] | None:
-        return self._table.get(first.instance_class) if isinstance(first, types.BaseNamedTuple) else None
+        return self._table.get(first.instance_class) if isinstance(first, types.BaseNamedTuple) else None  # type: ignore[attr-defined]
 
     def of(self, record: type) -> Callable[[Function], Function]:
         """Decorator: this plain function is the operation for `record`."""

@@ -113,9 +113,7 @@ class _Counting:
     def _geometry(self, i: int) -> rules.Geometry:
         c = self.columns
         robot, human = (c["robot_row"][i], c["robot_col"][i]), (c["human_row"][i], c["human_col"][i])
-        return rules.geometry(
-            robot, c["robot_heading"][i], human, c["human_heading"][i], self.settings.distances
-        )
+        return rules.geometry(robot, c["robot_heading"][i], human, c["human_heading"][i], self.settings.distances)
 
     def _human_step(self, i: int) -> None:
         c = self.columns

@@ -18,7 +18,154 @@ class Mutation:
     task: str
 
 
-MUTATIONS: list[Mutation] = []
+HUMAN, GEOMETRY = "world/human.py", "world/geometry.py"
+
+MUTATIONS: list[Mutation] = [
+    Mutation("attention is never lost", HUMAN, "happens(random, human.p_A)", "False", "social"),
+    Mutation("attention survives any distance", HUMAN, "if not appropriate or (", "if (", "social"),
+    Mutation(
+        "hello works from afar",
+        HUMAN,
+        "action == Action.HELLO and appropriate:",
+        "action == Action.HELLO:",
+        "social",
+    ),
+    Mutation("hello may fail face to face", HUMAN, "level == InteractionLevel.BOTH_FACE or (", "(", "social"),
+    Mutation("hello always succeeds", HUMAN, "and not happens(random, human.p_H)", "", "social"),
+    Mutation(
+        "hello resets who follows",
+        HUMAN,
+        "engagement = max(engagement, Engagement.GREETED.value)",
+        "engagement = Engagement.GREETED.value",
+        "social",
+    ),
+    Mutation("nobody needs pointing", HUMAN, "happens(random, human.p_P)", "False", "social"),
+    Mutation("follows at gestures too", HUMAN, " and not is_gesture(action)", "", "social"),
+    Mutation(
+        "a look is a gesture",
+        HUMAN,
+        "return action == Action.HELLO",
+        "return action >= Action.LOOK or action == Action.HELLO",
+        "social",
+    ),
+    Mutation(
+        "follows away from the robot",
+        HUMAN,
+        "(scene.angle + N_DIRECTIONS // 2)",
+        "(scene.angle + 0)",
+        "social",
+    ),
+    Mutation(
+        "moves at random while engaged",
+        HUMAN,
+        "if engagement == Engagement.NONE:\n        if happens",
+        "if True:\n        if happens",
+        "visit",
+    ),
+    Mutation(
+        "looks around less often",
+        HUMAN,
+        "happens(random, human.p_O)",
+        "happens(random, human.p_O * 0.5)",
+        "social",
+    ),
+    Mutation(
+        "speeds 2 and 3 are swapped",
+        HUMAN,
+        "human.p_speed_1 + human.p_speed_2 else 3",
+        "1.0 - human.p_speed_2 else 3",
+        "social",
+    ),
+    Mutation("the visual field is 45 degrees", GEOMETRY, "VISUAL_FIELD = 2 *", "VISUAL_FIELD = 1 *", "go_to_human"),
+    Mutation(
+        "bounds of the fields excluded",
+        GEOMETRY,
+        "CIRCLE - turn) <= field",
+        "CIRCLE - turn) < field",
+        "go_to_human",
+    ),
+    Mutation("faced from behind", GEOMETRY, "to_robot = bearing + BEHIND", "to_robot = bearing", "go_to_human"),
+    Mutation("thresholds excluded", GEOMETRY, 'side="left"', 'side="right"', "go_to_human"),
+    Mutation(
+        "ties go up",
+        GEOMETRY,
+        "nearest = np.rint(bearing / HUNDREDTHS)",
+        "nearest = np.floor(bearing / HUNDREDTHS + 0.5)",
+        "go_to_human",
+    ),
+    Mutation(
+        "the lab is upside down",
+        GEOMETRY,
+        "np.arctan2(north, east)",
+        "np.arctan2(-north, east)",
+        "go_to_human",
+    ),
+    Mutation(
+        "bearings not rounded first",
+        GEOMETRY,
+        "np.rint(turns * HUNDREDTHS)",
+        "np.floor(turns * HUNDREDTHS)",
+        "go_to_human",
+    ),
+    Mutation("moves one cell too far", "world/grid.py", "range(speed):", "range(speed + 1):", "navigation"),
+    Mutation(
+        "a move does not turn",
+        "world/robot.py",
+        "Body(row, col, direction)",
+        "Body(row, col, body.heading)",
+        "navigation",
+    ),
+    Mutation(
+        "success only faced both ways",
+        "world/go_to_human.py",
+        "level == InteractionLevel.HUMAN_FACES or",
+        "",
+        "go_to_human",
+    ),
+    Mutation(
+        "success at any distance",
+        "world/go_to_human.py",
+        "return is_appropriate(scene.distance) and",
+        "return",
+        "go_to_human",
+    ),
+    Mutation(
+        "gesture steps are paid",
+        HUMAN,
+        "        and scene.human_action != Action.STAY\n        and scene.human_action % N_DIRECTIONS == direction",
+        "        and True",
+        "social",
+    ),
+    Mutation(
+        "the new desired direction is judged",
+        "world/social.py",
+        "reward = 1.0 if follows_in_direction(after, desired)",
+        "reward = 1.0 if follows_in_direction(after, random_direction(random))",
+        "social",
+    ),
+    Mutation(
+        "teleports who is engaged",
+        "world/social.py",
+        " and scene.engagement == Engagement.NONE:",
+        ":",
+        "social",
+    ),
+    Mutation("teleports too far", "world/social.py", "VISION_SPEED = 2", "VISION_SPEED = 3", "social"),
+    Mutation(
+        "the old goal may come again",
+        "world/visit.py",
+        "        if room != goal_room:\n            others += 1",
+        "        if True:\n            others += 1",
+        "visit",
+    ),
+    Mutation(
+        "the robot's room is paid",
+        "world/visit.py",
+        "if room_of(human.row, human.col) != goal_room",
+        "if room_of(robot.row, robot.col) != goal_room",
+        "visit",
+    ),
+]
 
 
 def apply(mutation: Mutation, package_copy_dir: Path) -> None:

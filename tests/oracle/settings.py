@@ -65,9 +65,7 @@ class Settings:
         if self.has_reactions and self.human is None:
             raise ValueError(f"{self.task} needs the human's parameters")
         if self.success not in ("facing", "seen") or self.social_reward not in ("social", "none"):
-            raise ValueError(
-                f"unknown option: success {self.success!r}, social_reward {self.social_reward!r}"
-            )
+            raise ValueError(f"unknown option: success {self.success!r}, social_reward {self.social_reward!r}")
         if len(self.distances) != 4:
             raise ValueError("distances are four thresholds")
 

@@ -37,7 +37,7 @@ def random_steps(trials: int, trial_steps: int, seed: int = 0) -> tuple[StepColu
         if values.dtype == np.bool_:
             values[:] = rng.random(rows) < 0.5
             continue
-        boundaries = np.array(BOUNDARIES.get(column.type, BYTE_BOUNDARIES), values.dtype)
+        boundaries = np.array(BOUNDARIES.get(column.kind, BYTE_BOUNDARIES), values.dtype)
         values[:] = rng.random(rows) * 127
         at_boundary = rng.random(rows) < 1 / 3
         values[at_boundary] = rng.choice(boundaries, at_boundary.sum())
@@ -47,9 +47,7 @@ def random_steps(trials: int, trial_steps: int, seed: int = 0) -> tuple[StepColu
     return columns, rows
 
 
-def record(
-    path: Path, task: str, columns: StepColumns, rows: int, *, block: int | None = None, **options: Any
-) -> Path:
+def record(path: Path, task: str, columns: StepColumns, rows: int, *, block: int | None = None, **options: Any) -> Path:
     """Write the first `rows` rows, `block` at a time."""
     size = block or max(rows, 1)
     with StepRecorder(path, task, attributes=ATTRIBUTES, config_yaml=CONFIG, **options) as recorder:

@@ -30,7 +30,7 @@ def test_a_record_holds_what_the_protobuf_library_serialises(message, task):
     columns = [column for column in TABLES[message] if task in column.tasks]
 
     @settings(max_examples=150, deadline=None)
-    @given(st.fixed_dictionaries({column.name: VALUES[column.type] for column in columns}))
+    @given(st.fixed_dictionaries({column.name: VALUES[column.kind] for column in columns}))
     def holds(values):
         record = layout.blank(1)
         for name, value in values.items():

@@ -86,9 +86,7 @@ def test_message_indexes_point_at_the_messages(data, summary):
                 assert (opcode, owner, time) == (5, channel, log_time)
                 pointed += PREFIX.size + size
         assert pointed == len(content) == index.uncompressed_size
-        following = list(
-            records_at(data, index.chunk_start_offset, index.chunk_length + index.message_index_length)
-        )
+        following = list(records_at(data, index.chunk_start_offset, index.chunk_length + index.message_index_length))
         assert [opcode for opcode, _ in following] == [6] + [7] * len(index.message_index_offsets)
 
 

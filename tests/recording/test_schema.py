@@ -27,9 +27,7 @@ def test_trial_has_the_fields_of_the_design():
 def test_schema_bytes_hold_one_self_contained_file():
     files = FileDescriptorSet.FromString(schema_bytes()).file
     assert all(field.proto3_optional for message in files[0].message_type for field in message.field)
-    assert [(file.package, file.syntax, list(file.dependency)) for file in files] == [
-        ("visitlab", "proto3", [])
-    ]
+    assert [(file.package, file.syntax, list(file.dependency)) for file in files] == [("visitlab", "proto3", [])]
 
 
 def test_the_proto_file_for_people_says_what_the_descriptor_says():

@@ -22,7 +22,6 @@ EPSILON = Field(default=0.05, ge=0, le=1, description="probability of a uniforml
 PLAN_EVERY = Field(default=1000, ge=1, le=10**9, description="steps between two sweeps of value iteration")
 
 
-
 class AgentParameters(BaseModel):
     """An agent as the YAML declares it; a subclass adds `kind` (a Literal) and its numbers."""
 

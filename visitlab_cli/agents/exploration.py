@@ -12,7 +12,7 @@ Table = npt.NDArray[np.float64]
 @kernel
 def maximum(values: Table) -> float:
     """The largest of `values`, shape (n,)."""
-    best = values[0]
+    best = float(values[0])
     for value in values[1:]:
         if value > best:
             best = value

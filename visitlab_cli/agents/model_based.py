@@ -17,7 +17,14 @@ from visitlab_cli.agents.base import (
     zeros,
 )
 from visitlab_cli.agents.exploration import Table, epsilon_greedy
-from visitlab_cli.agents.sparse_model import SparseModel, count, empty_model, restored_model, saved_model, sweep
+from visitlab_cli.agents.sparse_model import (
+    SparseModel,
+    count,
+    empty_model,
+    restored_model,
+    saved_model,
+    sweep,
+)
 from visitlab_cli.random_numbers import RandomState
 
 

@@ -7,7 +7,14 @@ from pydantic import Field
 
 from visitlab_cli.agents.base import CHOOSE, GAMMA, LEARN, PLAN_EVERY, AgentParameters, Saved, Setting
 from visitlab_cli.agents.exploration import Table, greedy
-from visitlab_cli.agents.sparse_model import SparseModel, count, empty_model, restored_model, saved_model, sweep
+from visitlab_cli.agents.sparse_model import (
+    SparseModel,
+    count,
+    empty_model,
+    restored_model,
+    saved_model,
+    sweep,
+)
 from visitlab_cli.random_numbers import RandomState
 
 M_IN_NAVIGATION, M_ELSEWHERE = 1, 5  # paper, section 4.2
@@ -32,7 +39,10 @@ class RMaxParameters(AgentParameters):
     gamma: float = GAMMA
     r_max: float = Field(default=1.0, ge=0, le=1e6, description="the largest reward, assumed of what is unknown")
     m: int | None = Field(
-        default=None, ge=1, le=10**6, description="visits that make a pair known; 1 in navigation, 5 elsewhere"
+        default=None,
+        ge=1,
+        le=10**6,
+        description="visits that make a pair known; 1 in navigation, 5 elsewhere",
     )
     plan_every: int = PLAN_EVERY
 

@@ -79,9 +79,7 @@ def count(model: SparseModel, pair: int, reward: float, next_state: int) -> None
 
 
 @kernel
-def sweep(
-    model: SparseModel, q: Table, values: Table, gamma: float, known: int, fill_unvisited: bool
-) -> None:
+def sweep(model: SparseModel, q: Table, values: Table, gamma: float, known: int, fill_unvisited: bool) -> None:
     """One synchronous sweep over all pairs visited at least `known` times, changing `q`, shape (states, actions).
 
     `values`, shape (states,), is scratch space. With `fill_unvisited` a pair never tried has R = 0 and a uniform

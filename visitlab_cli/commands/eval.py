@@ -32,12 +32,16 @@ def command(
     config = read_config(folder)
     for name in human or []:
         if name not in config.humans:
-            raise UsageError(f"--human {name}: the run's config declares no such human{or_else(name, list(config.humans))}")
+            raise UsageError(
+                f"--human {name}: the run's config declares no such human{or_else(name, list(config.humans))}"
+            )
     cells = plan(config, Evaluation(tuple(human or ()), trials, frozen))
     if not cells:
         raise UsageError(f"{folder}: its config declares no visit")
     needed = {path for cell in missing_cells(folder, cells) for path in cell.modules.values()}
     untrained = missing_cells(folder, [c for c in plan(config) if c.task != VISIT and c.path in needed])
     if untrained:
-        raise RunError(f"{folder}: not trained yet: {untrained[0].path}; finish with visitlab train {folder}/config.yaml")
+        raise RunError(
+            f"{folder}: not trained yet: {untrained[0].path}; finish with visitlab train {folder}/config.yaml"
+        )
     run_and_tell(folder, config, cells, workers=workers, as_json=as_json, quiet=quiet)

@@ -7,7 +7,8 @@ import typer
 
 Config = Annotated[str, typer.Argument(help="A YAML file, or the name of a shipped config (quickstart, paper).")]
 Overrides = Annotated[
-    list[str] | None, typer.Argument(metavar="[KEY=VALUE]...", help="Overrides, such as seeds=10.", show_default=False)
+    list[str] | None,
+    typer.Argument(metavar="[KEY=VALUE]...", help="Overrides, such as seeds=10.", show_default=False),
 ]
 Run = Annotated[str, typer.Argument(help="A run's folder, its name, a unique beginning of it, or 'latest'.")]
 Out = Annotated[Path, typer.Option("--out", help="The folder of all runs.")]

@@ -1,0 +1,1 @@
+"""From a config to finished cells: the plan, the workers, progress and resuming."""

@@ -3,15 +3,15 @@
 import contextlib
 import socket
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from visitlab_cli.agents.greedy_table import GreedyTable
 from visitlab_cli.agents.base import Saved
+from visitlab_cli.agents.greedy_table import GreedyTable
 from visitlab_cli.config.canonical import hashed_yaml
 from visitlab_cli.execution.build import Simulation, build
 from visitlab_cli.execution.cells import Cell
@@ -21,10 +21,13 @@ from visitlab_cli.recording.writer import StepRecorder
 from visitlab_cli.simulation.loop import BLOCK_ROWS, START, play
 from visitlab_cli.storage.arrays import read_model, write_model, write_trials
 from visitlab_cli.storage.cell_folder import MODEL, STEPS, TRIALS, NewCell
-from visitlab_cli.world.columns import VISIT, empty_columns
+from visitlab_cli.world.columns import VISIT, StepColumns, empty_columns
 
 Report = Callable[[int], None]
 """Told after each block how many steps of the cell are done; raises `Interrupted` to stop it."""
+
+Record = Callable[[StepColumns, int], None]
+"""Given a block and its number of rows."""
 
 STREAM = "simulation"
 
@@ -50,9 +53,6 @@ def run_cell(run: Path, cell: Cell, report: Report) -> None:
         new.commit(_facts(cell, trial_rewards), _timing(start, seconds, cell.steps / playing))
 
 
-Record = Callable[[Any, int], None]
-
-
 def simulate(
     simulation: Simulation, random: RandomState, record: Record, report: Report
 ) -> tuple[np.ndarray[Any, np.dtype[np.float64]], float]:
@@ -62,9 +62,7 @@ def simulate(
     cursor, playing = START, 0.0
     while cursor.steps < simulation.steps:
         begun = time.perf_counter()
-        cursor, rows = play(
-            simulation.task, simulation.agent, cursor, simulation.steps, random, columns, trial_rewards
-        )
+        cursor, rows = play(simulation.task, simulation.agent, cursor, simulation.steps, random, columns, trial_rewards)
         playing += time.perf_counter() - begun
         record(columns, rows)
         report(cursor.steps)
@@ -72,7 +70,7 @@ def simulate(
 
 
 @contextlib.contextmanager
-def _recorder(cell: Cell, file: Path):  # type: ignore[no-untyped-def]
+def _recorder(cell: Cell, file: Path) -> Iterator[Record]:
     one_trial_in = cell.config.record.one_trial_in
     if not one_trial_in:
         yield lambda columns, rows: None

@@ -12,4 +12,8 @@ def versions() -> dict[str, str]:
     """Versions by name: visitlab, Python, and the packages that decide the bytes of a result."""
     from visitlab_cli import __version__
 
-    return {"visitlab": __version__, "python": platform.python_version(), **{name: version(name) for name in PACKAGES}}
+    return {
+        "visitlab": __version__,
+        "python": platform.python_version(),
+        **{name: version(name) for name in PACKAGES},
+    }

@@ -5,6 +5,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from visitlab_cli.agents.base import AgentParameters, Saved, Setting
 from visitlab_cli.compiled import JIT_DISABLED, cache_folder
 from visitlab_cli.errors import VisitlabError
 from visitlab_cli.execution.build import Simulation, build
@@ -70,11 +71,10 @@ def _one_step(cell: Cell) -> Simulation:
     return simulation._replace(steps=1, trials=1)
 
 
-def _empty_models(cell: Cell):  # type: ignore[no-untyped-def]
-    from visitlab_cli.agents.base import Setting
-
+def _empty_models(cell: Cell) -> dict[str, Saved]:
+    """Models of the right types and sizes that have learned nothing."""
     size = TASK_SIZES[SOCIAL]
-    parameters = cell.config.agents[cell.agent]
+    parameters: AgentParameters = cell.config.agents[cell.agent]
     social = parameters.save(parameters.create(Setting(SOCIAL, *size, 1, cell.config.agents)))
-    tables = {module: {"q": np.zeros(TASK_SIZES[module])} for module in (NAVIGATION, GO_TO_HUMAN)}
+    tables: dict[str, Saved] = {module: {"q": np.zeros(TASK_SIZES[module])} for module in (NAVIGATION, GO_TO_HUMAN)}
     return {**tables, SOCIAL: social}

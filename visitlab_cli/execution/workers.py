@@ -75,7 +75,7 @@ class Workers:
 
 
 def _begin_thread(shared: Any) -> None:
-    global _shared  # noqa: PLW0603  (what the executor hands to each of its workers)
+    global _shared
     _shared = shared
 
 

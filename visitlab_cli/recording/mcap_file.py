@@ -72,9 +72,7 @@ class McapFile:
     def write_attachment(self, name: str, media_type: str, content: bytes) -> None:
         """Append an attachment, at time 0."""
         data = _record_bytes(Attachment(0, 0, name, media_type, content))
-        self._attachments.append(
-            AttachmentIndex(self._position, len(data), 0, 0, len(content), name, media_type)
-        )
+        self._attachments.append(AttachmentIndex(self._position, len(data), 0, 0, len(content), name, media_type))
         self._write(data)
 
     def write_channel(self, channel: int, topic: str, message: str, schema: bytes) -> None:
@@ -95,9 +93,7 @@ class McapFile:
         start = min(int(block["log_time"][0]) for block in blocks)
         end = max(int(block["log_time"][-1]) for block in blocks)
         chunk_start = self._position
-        self._write(
-            _record_bytes(Chunk(COMPRESSION, compressed, end, start, zlib.crc32(content), len(content)))
-        )
+        self._write(_record_bytes(Chunk(COMPRESSION, compressed, end, start, zlib.crc32(content), len(content))))
         indexes_start, offset = self._position, 0
         index_offsets = {}
         for block in blocks:

@@ -80,9 +80,7 @@ def read_trial(path: Path, trial: int) -> Columns:
             if index.message_start_time <= end and index.message_end_time >= start
         ]
         blocks = (steps for steps, _ in _blocks(file, layouts, indexes))
-        return _gather(
-            layout, (steps[(start <= steps["log_time"]) & (steps["log_time"] <= end)] for steps in blocks)
-        )
+        return _gather(layout, (steps[(start <= steps["log_time"]) & (steps["log_time"] <= end)] for steps in blocks))
 
 
 def _recorded(path: Path, table: Columns) -> str:

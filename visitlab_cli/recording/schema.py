@@ -82,7 +82,7 @@ def message_descriptor(message: str) -> DescriptorProto:
             name=column.name,
             number=index + 1,
             label=FieldDescriptorProto.LABEL_OPTIONAL,
-            type=PROTOBUF_TYPES[column.type],
+            type=PROTOBUF_TYPES[column.kind],
             type_name=f".{PACKAGE}.{column.enum.__name__}" if column.enum else None,
             proto3_optional=True,
             oneof_index=index,
@@ -96,7 +96,7 @@ def proto_text() -> str:
     blocks = ['syntax = "proto3";', f"package {PACKAGE};"]
     for message, columns in TABLES.items():
         lines = [
-            f"  optional {column.enum.__name__ if column.enum else column.type} {column.name} = {number};"
+            f"  optional {column.enum.__name__ if column.enum else column.kind} {column.name} = {number};"
             f"  // {column.meaning} ({'all' if column.tasks == TASKS else ', '.join(column.tasks)})"
             for number, column in enumerate(columns, 1)
         ]

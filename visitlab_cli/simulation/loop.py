@@ -7,8 +7,8 @@ all there is to a checkpoint: a block more or less never changes a result.
 from typing import Any, NamedTuple
 
 from visitlab_cli.agents.base import choose, learn
-from visitlab_cli.compiled import kernel
 from visitlab_cli.agents.exploration import Table
+from visitlab_cli.compiled import kernel
 from visitlab_cli.random_numbers import RandomState
 from visitlab_cli.world.columns import StepColumns
 from visitlab_cli.world.enums import Action
@@ -57,7 +57,13 @@ def write_row(
 
 @kernel
 def play(
-    task: Any, agent: Any, cursor: Cursor, steps: int, random: RandomState, columns: StepColumns, trial_rewards: Table
+    task: Any,
+    agent: Any,
+    cursor: Cursor,
+    steps: int,
+    random: RandomState,
+    columns: StepColumns,
+    trial_rewards: Table,
 ) -> tuple[Cursor, int]:
     """Play until the columns are full or `steps` steps of the cell are done.
 
@@ -73,7 +79,13 @@ def play(
     Returns:
         The cursor after the last row, and the number of rows written.
     """
-    scene, state, trial, trial_step, done = cursor.scene, cursor.state, cursor.trial, cursor.trial_step, cursor.steps
+    scene, state, trial, trial_step, done = (
+        cursor.scene,
+        cursor.state,
+        cursor.trial,
+        cursor.trial_step,
+        cursor.steps,
+    )
     row = 0
     while row < len(columns.trial) and done < steps:
         if trial_step == task.trial_steps:

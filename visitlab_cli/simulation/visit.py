@@ -32,7 +32,11 @@ class Visit(NamedTuple):
 
 
 def make_visit(
-    world: VisitWorld, navigation_q: Table, go_to_human_q: Table, trial_steps: int = 100, social_reward: str = "social"
+    world: VisitWorld,
+    navigation_q: Table,
+    go_to_human_q: Table,
+    trial_steps: int = 100,
+    social_reward: str = "social",
 ) -> Visit:
     """A visit with the Q of the two modules, shapes (5184, 25) and (320, 25); `social_reward`: `social` or `none`."""
     direction_values = direction_values_of(navigation_q)

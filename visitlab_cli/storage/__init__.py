@@ -1,0 +1,1 @@
+"""Run folders and cells on the disk."""

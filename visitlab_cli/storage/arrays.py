@@ -15,7 +15,7 @@ LARGEST_ARRAY = 4 * 2**30  # bytes that a model's file may claim for one array
 
 def write_model(file: Path, arrays: Arrays) -> None:
     """Write arrays by name to an `.npz`; a zip member carries no time, so equal arrays give equal bytes."""
-    np.savez_compressed(file, **arrays)
+    np.savez_compressed(file, **arrays)  # type: ignore[arg-type]  # (its stub takes any name for an option)
 
 
 def read_model(file: Path) -> Arrays:
@@ -46,7 +46,10 @@ def write_trials(file: Path, trial_rewards: npt.NDArray[np.float64], with_goals:
     import pyarrow
     from pyarrow import parquet
 
-    columns: dict[str, Any] = {"trial": np.arange(len(trial_rewards), dtype=np.int32), "reward": trial_rewards}
+    columns: dict[str, Any] = {
+        "trial": np.arange(len(trial_rewards), dtype=np.int32),
+        "reward": trial_rewards,
+    }
     if with_goals:
         columns["goals"] = trial_rewards.astype(np.int32)
     parquet.write_table(pyarrow.table(columns), file)

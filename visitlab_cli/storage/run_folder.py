@@ -35,7 +35,9 @@ def open_run(out: Path, config: Config, versions: Mapping[str, str]) -> tuple[Pa
             return run, config
         stored = read_config(run)
         if canonical_json(stored) != canonical_json(config):
-            raise RunError(f"{run / CONFIG}: was edited: {_differences(config, stored)}; restore it, or move the run away")
+            raise RunError(
+                f"{run / CONFIG}: was edited: {_differences(config, stored)}; restore it, or move the run away"
+            )
         if config.seeds > stored.seeds:
             _replace(run / CONFIG, dump_yaml(config))
     except OSError as error:

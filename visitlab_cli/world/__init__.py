@@ -1,0 +1,1 @@
+"""The rules: grid, geometry, the human, and the four tasks."""

@@ -27,9 +27,9 @@ Bytes = npt.NDArray[np.uint8]
 
 
 class Column(NamedTuple):
-    """One field of the log: `name`, protobuf `type`, `tasks` that have it, meaning; `enum` names its values."""
+    """One field of the log: `name`, protobuf type, `tasks` that have it, meaning; `enum` names its values."""
 
-    type: str
+    kind: str
     tasks: tuple[str, ...]
     meaning: str
     enum: type[IntEnum] | None = None
@@ -54,16 +54,15 @@ class StepColumns(NamedTuple):
     human_col: Annotated[Uint32s, Column(FIXED32, WITH_HUMAN, "human's column")]
     human_heading: Annotated[Bytes, Column(ENUM, WITH_HUMAN, "where the human looks", Direction)]
     human_action: Annotated[
-        Bytes, Column(ENUM, WITH_ENGAGEMENT, "human's move at the speed it drew, blocked or not, or STAY", Action)
+        Bytes,
+        Column(ENUM, WITH_ENGAGEMENT, "human's move at the speed it drew, blocked or not, or STAY", Action),
     ]
     interaction_level: Annotated[
         Bytes, Column(ENUM, WITH_HUMAN, "0..4 who sees and faces whom, 5..7 engagement", InteractionLevel)
     ]
     distance: Annotated[Bytes, Column(UINT32, WITH_HUMAN, "category of the distance, 0 (close) to 4 (far)")]
     angle: Annotated[Bytes, Column(ENUM, WITH_HUMAN, "direction from the robot to the human", Direction)]
-    desired_direction: Annotated[
-        Bytes, Column(ENUM, WITH_ENGAGEMENT, "where the human should go", Direction)
-    ]
+    desired_direction: Annotated[Bytes, Column(ENUM, WITH_ENGAGEMENT, "where the human should go", Direction)]
     goal_room: Annotated[Bytes, Column(UINT32, WITH_GOAL, "0..8, row by row from the north-west")]
 
 
@@ -82,4 +81,4 @@ def columns_of(task: str) -> tuple[Column, ...]:
 
 def empty_columns(rows: int) -> StepColumns:
     """A block of `rows` steps, every array zero."""
-    return StepColumns(*(np.zeros(rows, DTYPES[column.type]) for column in COLUMNS))
+    return StepColumns(*(np.zeros(rows, DTYPES[column.kind]) for column in COLUMNS))

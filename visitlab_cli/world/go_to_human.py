@@ -32,9 +32,7 @@ class GoToHuman(NamedTuple):
     seen_is_enough: bool
 
 
-def make_go_to_human(
-    trial_steps: int = 20, success: str = "facing", distances: Sequence[int] = DISTANCES
-) -> GoToHuman:
+def make_go_to_human(trial_steps: int = 20, success: str = "facing", distances: Sequence[int] = DISTANCES) -> GoToHuman:
     """The task in the lab; `success` is `facing` or `seen`."""
     geometry = make_geometry(LAB_SIZE, distances)
     return GoToHuman(make_grid(LAB_SIZE, LAB_SIZE), geometry, trial_steps, success == "seen")
@@ -50,7 +48,7 @@ def go_to_human_state(scene: Scene) -> int:
 def is_success(scene: Scene, seen_is_enough: bool) -> bool:
     """At an appropriate distance and faced (or seen) by the human, whatever the robot's heading."""
     level = scene.interaction_level
-    faced = level == InteractionLevel.HUMAN_FACES or level == InteractionLevel.BOTH_FACE  # noqa: PLR1714
+    faced = level == InteractionLevel.HUMAN_FACES or level == InteractionLevel.BOTH_FACE
     seen = seen_is_enough and level != InteractionLevel.NOT_SEEN
     return is_appropriate(scene.distance) and (faced or seen)
 

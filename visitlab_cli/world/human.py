@@ -45,7 +45,7 @@ def random_speed(human: Human, random: RandomState) -> int:
 @kernel
 def is_gesture(action: int) -> bool:
     """Whether the robot's action is a gesture, at which a following human stays."""
-    return action == Action.HELLO or action == Action.COME or action == Action.POINT  # noqa: PLR1714
+    return action == Action.HELLO or action == Action.COME or action == Action.POINT
 
 
 @kernel

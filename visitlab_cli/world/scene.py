@@ -3,11 +3,10 @@
 from typing import NamedTuple
 
 from visitlab_cli.compiled import kernel
-from visitlab_cli.world.enums import Action, Direction, Engagement, InteractionLevel
+from visitlab_cli.random_numbers import RandomState, random_below
+from visitlab_cli.world.enums import N_DIRECTIONS, Engagement, InteractionLevel
 from visitlab_cli.world.geometry import Geometry, sight
 from visitlab_cli.world.grid import Grid
-from visitlab_cli.random_numbers import RandomState, random_below
-from visitlab_cli.world.enums import N_DIRECTIONS
 
 
 class Scene(NamedTuple):

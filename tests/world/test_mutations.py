@@ -1,0 +1,55 @@
+"""The oracle judges: it must refuse the log of each wrong package, and accept that of the right one."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import visitlab_cli
+from tests.oracle.checker import check_frequencies, check_log
+from tests.oracle.mutations import MUTATIONS, apply
+from tests.world.test_rules import settings_of
+
+PACKAGE = Path(visitlab_cli.__file__).parent
+PLAYER = Path(__file__).with_name("package_log.py")
+STEPS = 12_000
+
+
+def is_refused(package: Path, task: str, folder: Path) -> bool:
+    """Whether the oracle refuses a log of the package copied to `package`, played uncompiled in a new process."""
+    out = folder / "log.npz"
+    environment = os.environ | {"PYTHONPATH": str(package.parent), "NUMBA_DISABLE_JIT": "1"}
+    command = [sys.executable, str(PLAYER), task, str(STEPS), str(out)]
+    subprocess.run(command, env=environment, check=True, cwd=folder)
+    with np.load(out) as log:
+        columns = dict(log)
+    settings = settings_of(task)
+    if check_log(columns, task, **settings):
+        return True
+    return any(not abs(each.z) < 4.5 for each in check_frequencies(columns, task, **settings))
+
+
+@pytest.fixture
+def copy(tmp_path):
+    package = tmp_path / "visitlab_cli"
+    shutil.copytree(PACKAGE, package, ignore=shutil.ignore_patterns("__pycache__"))
+    return package
+
+
+def test_there_are_enough_of_them():
+    assert len(MUTATIONS) >= 12
+
+
+@pytest.mark.parametrize("task", ["navigation", "go_to_human", "social", "visit"])
+def test_the_right_package_is_accepted(copy, tmp_path, task):
+    assert not is_refused(copy, task, tmp_path)
+
+
+@pytest.mark.parametrize("mutation", MUTATIONS, ids=lambda mutation: mutation.name)
+def test_a_wrong_package_is_refused(copy, tmp_path, mutation):
+    apply(mutation, copy)
+    assert is_refused(copy, mutation.task, tmp_path)

@@ -1,0 +1,243 @@
+"""A trial in words and colours: names, captions, the moments worth a picture. What draws or prints a trial shares it."""
+
+from collections.abc import Iterator, Mapping
+from typing import Any, NamedTuple
+
+import numpy.typing as npt
+
+from visitlab_cli.world.enums import N_DIRECTIONS, N_MOVES, Action, Direction, InteractionLevel
+
+Steps = Mapping[str, npt.NDArray[Any]]
+"""The columns of one trial, from its step 0 on: for each name of the log an array of shape (steps + 1,)."""
+Colour = tuple[int, int, int]
+
+# Okabe and Ito's colours, which colour-blind people tell apart; robot red and human blue as in the paper.
+ROBOT: Colour = (213, 94, 0)
+HUMAN: Colour = (0, 114, 178)
+VISUAL_FIELD: Colour = (86, 180, 233)
+FACING_FIELD: Colour = (0, 158, 115)
+GOAL: Colour = (240, 180, 40)
+DESIRED: Colour = (170, 60, 140)
+INK: Colour = (45, 45, 50)
+FLOOR: Colour = (246, 246, 244)
+
+LEVEL_NAMES = (
+    "Not seen",
+    "Seen",
+    "Human faces",
+    "Robot faces",
+    "Both face",
+    "Greeted",
+    "Called",
+    "Follows",
+)
+LEVEL_COLOURS: tuple[Colour, ...] = (
+    (125, 125, 125),
+    (165, 205, 225),
+    (86, 180, 233),
+    (204, 121, 167),
+    (0, 114, 178),
+    (240, 228, 66),
+    (230, 159, 0),
+    (0, 158, 115),
+)
+DISTANCE_NAMES = ("too close", "close", "right", "wide", "too far")
+
+MOVES, STAYS, LOOKS, SAYS_HELLO, CALLS, POINTS, GOES = ACTION_KINDS = (
+    "Moves",
+    "Stays",
+    "Looks",
+    "Hello",
+    "Come",
+    "Point",
+    "Goes to view",
+)
+ACTION_COLOURS: tuple[Colour, ...] = (
+    (150, 150, 150),
+    (80, 80, 80),
+    (86, 180, 233),
+    (240, 228, 66),
+    (230, 159, 0),
+    (204, 121, 167),
+    (0, 114, 178),
+)
+_KINDS = {
+    Action.STAY: STAYS,
+    Action.LOOK: LOOKS,
+    Action.HELLO: SAYS_HELLO,
+    Action.COME: CALLS,
+    Action.POINT: POINTS,
+    Action.GO_TO_HUMAN_VISION: GOES,
+}
+GESTURES = {Action.HELLO: "HELLO!", Action.COME: "COME!", Action.POINT: "THERE!"}
+"""What a speech bubble says."""
+
+_ROBOT_DOES = {
+    Action.STAY: "stays",
+    Action.LOOK: "looks at the human",
+    Action.HELLO: "says hello",
+    Action.COME: "says come",
+}
+_HUMAN_DOES = (
+    "does not see it",
+    "sees it",
+    "faces it",
+    "sees it turned to the human",
+    "is face to face with it",
+    "follows it with its gaze",
+    "waits to be shown the way",
+    "follows it",
+)
+_HUMAN_PART = (0, 1, 2, 1, 2, 3, 4, 5)
+"""What of an interaction level is the human's: it does not change where the robot alone turned."""
+_ENGAGED = InteractionLevel.GREETED
+
+
+class Moment(NamedTuple):
+    """A step at which something changes; `kind` is one of the constants below."""
+
+    step: int
+    kind: str
+
+
+SEEN, GREETED, CALLED, FOLLOWING = "seen", "greeted", "called", "following"
+REACHED, LOST = "goal reached", "attention lost"
+FACTS = (SEEN, GREETED, FOLLOWING, REACHED, LOST)
+"""The kinds of moment that every interaction worth telling has."""
+
+
+def room_name(room: int) -> str:
+    """The name of a goal room, 0..8."""
+    return f"Room {room}"
+
+
+def direction_name(direction: int) -> str:
+    """A direction in words, such as north-east."""
+    return Direction(direction).name.lower().replace("_", "-")
+
+
+def action_kind(action: int) -> str:
+    """Which of `ACTION_KINDS` an action is."""
+    return MOVES if action < N_MOVES else _KINDS.get(Action(action), STAYS)
+
+
+def executed(steps: Steps) -> npt.NDArray[Any]:
+    """What the robot did at each step, shape (steps + 1,)."""
+    return steps["executed_action"] if "executed_action" in steps else steps["action"]
+
+
+def action_name(steps: Steps, step: int) -> str:
+    """What the robot does in a step, in words: 'moves 3 cells north-east', 'says hello'."""
+    chosen, action = int(steps["action"][step]), int(executed(steps)[step])
+    if chosen == Action.GO_TO_HUMAN_VISION:
+        how = "" if action == chosen else f": {_physical(steps, step, action)}"
+        return f"goes to the human's view{how}"
+    return _physical(steps, step, action)
+
+
+def captions(steps: Steps) -> list[str]:
+    """A sentence for each step: what the robot does, and what the human makes of it; the first says how it begins."""
+    return [caption(steps, step) for step in range(len(steps["step"]))]
+
+
+def caption(steps: Steps, step: int) -> str:
+    """What happens in a step: 'says hello; the human faces it and now follows it with its gaze'."""
+    parts = ["the trial begins" if step == 0 else action_name(steps, step)]
+    if "human_row" in steps:
+        parts.append(_human(steps, step))
+    if step > 0 and steps["reward"][step] > 0:
+        parts.append(_rewarded(steps, step))
+    return "; ".join(parts)
+
+
+def moments(steps: Steps) -> list[Moment]:
+    """The moments of a trial in their order: seen anew, greeted, called, following, goal reached, attention lost."""
+    return list(_moments(steps))
+
+
+def facts(steps: Steps) -> dict[str, int]:
+    """The step of the first moment of each kind in `FACTS`, as far as the trial has them."""
+    first: dict[str, int] = {}
+    for moment in moments(steps):
+        first.setdefault(moment.kind, moment.step)
+    return {kind: first[kind] for kind in FACTS if kind in first}
+
+
+def _moments(steps: Steps) -> Iterator[Moment]:
+    levels, rewards = steps.get("interaction_level"), steps["reward"]
+    unseen = True
+    for step in range(len(rewards)):
+        if levels is not None:
+            before, after = (int(levels[step - 1]) if step else InteractionLevel.NOT_SEEN), int(levels[step])
+            if before >= _ENGAGED > after:
+                yield Moment(step, LOST)
+                unseen = True
+            if unseen and after != InteractionLevel.NOT_SEEN:
+                unseen = False
+                if before < _ENGAGED:
+                    yield Moment(step, SEEN)
+            if after >= _ENGAGED and after != before:
+                yield Moment(step, (GREETED, CALLED, FOLLOWING)[after - _ENGAGED])
+        if step and rewards[step] > 0 and ("executed_action" in steps or rewards[step - 1] == 0):
+            yield Moment(step, REACHED)
+
+
+def _physical(steps: Steps, step: int, action: int) -> str:
+    if action == Action.POINT:
+        return f"points {direction_name(steps['desired_direction'][step - 1])}"
+    if action >= N_MOVES:
+        return _ROBOT_DOES.get(Action(action), "does nothing")
+    return _way(steps, step, action, "robot", "moves")
+
+
+def _way(steps: Steps, step: int, move: int, who: str, verb: str) -> str:
+    """How far and where a move went: 'moves 2 cells west', 'moves 1 cell west, then is blocked'."""
+    speed, direction = move // N_DIRECTIONS + 1, direction_name(move % N_DIRECTIONS)
+    rows, cols = steps[f"{who}_row"].astype(int), steps[f"{who}_col"].astype(int)
+    gone = max(abs(rows[step] - rows[step - 1]), abs(cols[step] - cols[step - 1]))
+    if gone == 0:
+        return f"is blocked going {direction}"
+    words = f"{verb} {gone} cell{'' if gone == 1 else 's'} {direction}"
+    return words if gone == speed else f"{words}, then is blocked"
+
+
+def _human(steps: Steps, step: int) -> str:
+    levels = steps["interaction_level"]
+    after = int(levels[step])
+    before = int(levels[step - 1]) if step else after
+    action = int(executed(steps)[step])
+    move = int(steps["human_action"][step]) if "human_action" in steps else int(Action.STAY)
+    if before >= _ENGAGED > after:
+        return f"the human loses attention{_why(steps, step)} and {_sight(before, after)}"
+    if action == Action.HELLO and after == _ENGAGED and before != after:
+        sees = ("sees it", "faces it", "was distracted")[_HUMAN_PART[min(before, _ENGAGED)] - 1]
+        return f"the human {sees} and now {_HUMAN_DOES[after]}"
+    if after == InteractionLevel.FOLLOWS and move < N_MOVES:
+        return f"the human {_way(steps, step, move, 'human', 'follows')}"
+    if after == before == InteractionLevel.FOLLOWS:
+        return "the human waits"
+    wanders = after < _ENGAGED and move < N_MOVES
+    first = f"{_way(steps, step, move, 'human', 'wanders')} and " if wanders else ""
+    ignores = "does not react: it " if action == Action.HELLO and after < _ENGAGED else ""
+    return f"the human {ignores}{first}{_sight(before, after)}"
+
+
+def _why(steps: Steps, step: int) -> str:
+    """Why attention was lost, where the distance was the reason."""
+    category = int(steps["distance"][step - 1])
+    return f", {DISTANCE_NAMES[category]}," if category in (0, len(DISTANCE_NAMES) - 1) else ""
+
+
+def _sight(before: int, after: int) -> str:
+    if _HUMAN_PART[before] == _HUMAN_PART[after]:
+        return _HUMAN_DOES[after]
+    return "no longer sees it" if after == InteractionLevel.NOT_SEEN else f"now {_HUMAN_DOES[after]}"
+
+
+def _rewarded(steps: Steps, step: int) -> str:
+    if "executed_action" in steps:
+        reached, following = steps["goal_room"][step - 1], steps["goal_room"][step]
+        return f"goal reached in {room_name(reached)}, the next is {room_name(following)}"
+    if "desired_direction" in steps:
+        return f"rewarded: the human went {direction_name(steps['desired_direction'][step - 1])}"
+    return f"rewarded: in {room_name(steps['goal_room'][step])}" if "goal_room" in steps else "rewarded: in view"
