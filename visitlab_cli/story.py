@@ -1,4 +1,4 @@
-"""A trial in words and colours: names, captions, the moments worth a picture. What draws or prints a trial shares it."""
+"""A trial in words and colours: names, captions, the moments worth a picture; shared by all that tells of a trial."""
 
 from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple

@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
@@ -9,6 +10,7 @@ from visitlab_cli.config.canonical import config_hash
 from visitlab_cli.config.experiments import Experiment, SocialTraining, Training, Visit
 from visitlab_cli.config.grid import label, variants
 from visitlab_cli.config.model import Config
+from visitlab_cli.config.names import Module, module
 from visitlab_cli.world.columns import GO_TO_HUMAN, NAVIGATION, SOCIAL
 
 
@@ -43,8 +45,7 @@ class Cell:
     @property
     def group(self) -> str:
         """What cells that differ in nothing but their seeds share: the path without model and seed."""
-        parts = self.path.split("/")
-        return "/".join(part for part in parts if not part.startswith((SEED, MODEL)))
+        return re.sub(rf"(/{MODEL}\d+)?/{SEED}\d+$", "", self.path)
 
     @property
     def steps(self) -> int:
@@ -115,12 +116,12 @@ def _trainings(point: _Point, name: str, settings: Training) -> Iterator[Cell]:
     for agent in settings.agents:
         for human in settings.humans if isinstance(settings, SocialTraining) else ("",):
             for seed in range(point.config.seeds):
-                path = _training_path(point, (name, agent, human), seed)
+                path = _training_path(point, Module(name, agent, human), seed)
                 yield Cell(path, point.config, point.run_hash, name, seed, agent, human)
 
 
-def _training_path(point: _Point, training: tuple[str, str, str], seed: int) -> str:
-    labels = point.labels_of(_used_by_training(point.config, *training))
+def _training_path(point: _Point, training: Module, seed: int) -> str:
+    labels = point.labels_of(_used_by_training(point.config, training))
     return "/".join(filter(None, (*training, labels, _seed(seed))))
 
 
@@ -131,18 +132,15 @@ def _visits(point: _Point, name: str, evaluation: Evaluation) -> Iterator[Cell]:
     if evaluation.trials is not None:
         settings = settings.model_copy(update={"trials": evaluation.trials})
         config = config.model_copy(update={"experiments": {**config.experiments, name: settings}})
-    modules = {
-        module: resolve_module(config, getattr(settings.modules, module))
-        for module in (NAVIGATION, GO_TO_HUMAN, SOCIAL)
-    }
+    modules = {task: module(getattr(settings.modules, task)) for task in (NAVIGATION, GO_TO_HUMAN, SOCIAL)}
     for human in evaluation.humans or settings.humans:
         used = {f"experiments.{name}", f"humans.{human}", *EVERY_CELL, INTERACTION}
-        labels = point.labels_of(used.union(*(_used_by_training(config, *module) for module in modules.values())))
+        labels = point.labels_of(used.union(*(_used_by_training(config, where) for where in modules.values())))
         for seed, model_seed in _seed_pairs(settings.models, config.seeds):
             model = f"{MODEL}{model_seed:04d}" if settings.models == "crossed" else ""
             path = evaluation.folder + "/".join(filter(None, (name, human, labels, model, _seed(seed))))
-            needed = {module: _training_path(point, where, model_seed) for module, where in modules.items()}
-            agent = modules[SOCIAL][1]
+            needed = {task: _training_path(point, where, model_seed) for task, where in modules.items()}
+            agent = modules[SOCIAL].agent
             yield Cell(path, config, point.run_hash, name, seed, agent, human, needed, evaluation.frozen)
 
 
@@ -153,24 +151,15 @@ def _seed_pairs(models: str, seeds: int) -> list[tuple[int, int]]:
     return [(seed, 0 if models == "first" else seed) for seed in range(seeds)]
 
 
-def resolve_module(config: Config, reference: str) -> tuple[str, str, str]:
-    """The `(experiment, agent, human)` that a visit's module names; the human may be left out if there is one."""
-    experiment, agent, *human = reference.split("/")
-    settings = config.experiments[experiment]
-    if not human and isinstance(settings, SocialTraining):
-        human = [settings.humans[0]]
-    return experiment, agent, "".join(human)
-
-
 EVERY_CELL = ("seed", "record")
 INTERACTION = "interaction"
 
 
-def _used_by_training(config: Config, name: str, agent: str, human: str) -> set[str]:
+def _used_by_training(config: Config, training: Module) -> set[str]:
     """The parts of the config that a training's result depends on, as dotted paths."""
-    parameters = config.agents[agent]
-    agents = {agent, *(getattr(parameters, reference) for reference in parameters.references)}
-    used = {f"experiments.{name}", *(f"agents.{each}" for each in agents), *EVERY_CELL}
-    if human:
-        used.add(f"humans.{human}")
-    return used if config.experiments[name].task == NAVIGATION else used | {INTERACTION}
+    parameters = config.agents[training.agent]
+    agents = {training.agent, *(getattr(parameters, reference) for reference in parameters.references)}
+    used = {f"experiments.{training.experiment}", *(f"agents.{each}" for each in agents), *EVERY_CELL}
+    if training.human:
+        used.add(f"humans.{training.human}")
+    return used if config.experiments[training.experiment].task == NAVIGATION else used | {INTERACTION}

@@ -17,7 +17,7 @@ from visitlab_cli.world.grid import LAB_SIZE, N_ROOMS
 from visitlab_cli.world.human import follows_in_direction
 from visitlab_cli.world.scene import Scene, with_aims
 from visitlab_cli.world.social import social_state
-from visitlab_cli.world.task import BEGIN_TRIAL, OBSERVE, STEP
+from visitlab_cli.world.task import BEGIN_TRIAL, OBSERVE, STEP, VISIT_TRIAL_STEPS
 from visitlab_cli.world.visit import VisitWorld, begin_visit, step_visit
 
 
@@ -35,7 +35,7 @@ def make_visit(
     world: VisitWorld,
     navigation_q: Table,
     go_to_human_q: Table,
-    trial_steps: int = 100,
+    trial_steps: int = VISIT_TRIAL_STEPS,
     social_reward: str = "social",
 ) -> Visit:
     """A visit with the Q of the two modules, shapes (5184, 25) and (320, 25); `social_reward`: `social` or `none`."""

@@ -17,7 +17,7 @@ from visitlab_cli.world.geometry import DISTANCES, Geometry, is_appropriate, mak
 from visitlab_cli.world.grid import LAB_SIZE, Grid, make_grid
 from visitlab_cli.world.robot import acted
 from visitlab_cli.world.scene import Body, Scene, human_of, random_body, robot_of, scene_of
-from visitlab_cli.world.task import BEGIN_TRIAL, OBSERVE, STEP
+from visitlab_cli.world.task import BEGIN_TRIAL, OBSERVE, STEP, TRAINING_TRIAL_STEPS
 
 N_STATES = N_DIRECTIONS * N_DIRECTIONS * N_DISTANCES
 N_ACTIONS = N_PHYSICAL_ACTIONS
@@ -32,7 +32,9 @@ class GoToHuman(NamedTuple):
     seen_is_enough: bool
 
 
-def make_go_to_human(trial_steps: int = 20, success: str = "facing", distances: Sequence[int] = DISTANCES) -> GoToHuman:
+def make_go_to_human(
+    trial_steps: int = TRAINING_TRIAL_STEPS, success: str = "facing", distances: Sequence[int] = DISTANCES
+) -> GoToHuman:
     """The task in the lab; `success` is `facing` or `seen`."""
     geometry = make_geometry(LAB_SIZE, distances)
     return GoToHuman(make_grid(LAB_SIZE, LAB_SIZE), geometry, trial_steps, success == "seen")

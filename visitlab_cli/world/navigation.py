@@ -8,7 +8,7 @@ from visitlab_cli.world.enums import N_PHYSICAL_ACTIONS, Action, Direction
 from visitlab_cli.world.grid import LAB_SIZE, N_ROOMS, Grid, make_grid, room_of
 from visitlab_cli.world.robot import acted
 from visitlab_cli.world.scene import Scene, robot_of
-from visitlab_cli.world.task import BEGIN_TRIAL, OBSERVE, STEP
+from visitlab_cli.world.task import BEGIN_TRIAL, OBSERVE, STEP, TRAINING_TRIAL_STEPS
 
 N_STATES = N_ROOMS * LAB_SIZE * LAB_SIZE
 N_ACTIONS = N_PHYSICAL_ACTIONS
@@ -21,7 +21,7 @@ class Navigation(NamedTuple):
     trial_steps: int
 
 
-def make_navigation(trial_steps: int = 20) -> Navigation:
+def make_navigation(trial_steps: int = TRAINING_TRIAL_STEPS) -> Navigation:
     """Navigation in the lab of 24 x 24 cells."""
     return Navigation(make_grid(LAB_SIZE, LAB_SIZE), trial_steps)
 

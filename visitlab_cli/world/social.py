@@ -18,7 +18,7 @@ from visitlab_cli.world.grid import Grid, make_grid, move
 from visitlab_cli.world.human import Human, follows_in_direction, react
 from visitlab_cli.world.robot import acted
 from visitlab_cli.world.scene import Body, Scene, random_body, random_direction, robot_of, scene_of, with_aims
-from visitlab_cli.world.task import BEGIN_TRIAL, OBSERVE, STEP
+from visitlab_cli.world.task import BEGIN_TRIAL, OBSERVE, STEP, TRAINING_TRIAL_STEPS
 
 N_STATES = N_LEVELS * N_DISTANCES * N_DIRECTIONS * N_DIRECTIONS
 N_ACTIONS = N_SOCIAL_ACTIONS
@@ -39,7 +39,7 @@ class Social(NamedTuple):
 
 def make_social(
     human: Human,
-    trial_steps: int = 20,
+    trial_steps: int = TRAINING_TRIAL_STEPS,
     arena: int = ARENA,
     direction_change: float = DIRECTION_CHANGE,
     distances: Sequence[int] = DISTANCES,

@@ -2,6 +2,9 @@
 
 from visitlab_cli.compiled import Operation
 
+TRAINING_TRIAL_STEPS = 20
+VISIT_TRIAL_STEPS = 100
+
 
 def _begin_trial(task, last, random):  # type: ignore[no-untyped-def]
     """The scene that a trial starts in; `last` is the scene the previous one ended in, or `NOWHERE`."""

@@ -1,0 +1,137 @@
+"""`vary`: grids."""
+
+import itertools
+
+import pytest
+
+from tests.config.lab import LAB, Complain, Load, edited
+from visitlab_cli.config.canonical import config_hash, dump_yaml
+from visitlab_cli.config.grid import label, variants
+from visitlab_cli.errors import ConfigError
+
+GRID = "name: lab\nvary: {agents.mb.epsilon: [0, 0.5], humans.human_1.p_S: [[1, 0, 0], [0, 1, 0]]}"
+
+
+def test_a_grid_is_every_combination_the_last_path_fastest(loaded: Load) -> None:
+    points = list(variants(loaded(edited("name: lab", GRID))))
+    assert [tuple(point.values.values()) for point in points] == list(
+        itertools.product([0.0, 0.5], [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+    )
+    for point in points:
+        assert point.config.agents["mb"].model_dump()["epsilon"] == point.values["agents.mb.epsilon"]
+        assert list(point.config.humans["human_1"].p_S) == point.values["humans.human_1.p_S"]
+        assert point.config.vary == {}
+
+
+def test_without_vary_there_is_one_point(loaded: Load) -> None:
+    config = loaded()
+    assert list(variants(config)) == [({}, config)]
+
+
+def test_a_point_is_the_config_with_that_value_written(loaded: Load) -> None:
+    config = loaded(overrides=["vary.agents.mb.epsilon=[0.1, 0.2]", "vary.experiments.social.steps=[20, 40]"])
+    for point in variants(config):
+        written = loaded(overrides=[f"{path}={value}" for path, value in point.values.items()])
+        assert (point.config, config_hash(point.config)) == (written, config_hash(written))
+
+
+def test_points_have_no_expected_values(loaded: Load) -> None:
+    text = edited("name: lab", GRID + "\nexpected: {navigation/rmax: {value: 1, tolerance: 1}}")
+    config = loaded(text)
+    assert config.expected
+    assert not any(point.config.expected for point in variants(config))
+
+
+def test_values_are_as_their_setting_has_them(loaded: Load) -> None:
+    assert loaded(edited("name: lab", GRID)).vary["agents.mb.epsilon"] == (0.0, 0.5)
+    same = config_hash(loaded(edited("name: lab", GRID.replace("[0, 0.5]", "[0.0, 5e-1]"))))
+    assert same == config_hash(loaded(edited("name: lab", GRID)))
+
+
+def test_a_social_module_that_plans_and_one_that_does_not(loaded: Load) -> None:
+    config = loaded(overrides=["vary.experiments.visit.modules.social=[social/mb/human_1, social/mf/human_1]"])
+    config = loaded(dump_yaml(config))
+    socials = [point.config.experiments["visit"].modules.social for point in variants(config)]
+    assert socials == ["social/mb/human_1", "social/mf/human_1"]
+
+
+@pytest.mark.parametrize(
+    ("vary", "line"),
+    [
+        ("agents.mb.epsilon: [0, 3]", "31: vary.agents.mb.epsilon.1: must be at most 1 (got 3)"),
+        ("agents.mb.epsilon: [0, 0.0]", "31: vary.agents.mb.epsilon.1: the same value a second time"),
+        ("agents.mb.epsilon: [.nan]", "28: vary.agents.mb.epsilon.0: must be a finite number (got nan)"),
+        ("agents.mb.epsilon: []", "27: vary.agents.mb.epsilon: must have at least 1 entry (got 0)"),
+        ("agents.mb.epsilon: 0.1", "27: vary.agents.mb.epsilon: must be a list (got 0.1)"),
+        (
+            "agents.mb.epsilo: [0]",
+            "8: vary.agents.mb.epsilo: there is no agents.mb.epsilo; did you mean agents.mb.epsilon?",
+        ),
+        (
+            "agents.mbb.epsilon: [0]",
+            "8: vary.agents.mbb.epsilon: there is no agents.mbb; did you mean agents.mb.epsilon?",
+        ),
+        ("agents.mb.epsilon.x: [0]", "8: vary.agents.mb.epsilon.x: there is no agents.mb.epsilon.x"),
+        ("seeds: [1]", "8: vary.seeds: only humans, agents, experiments, interaction can vary"),
+        ("agents: [1]", "8: vary.agents: must lead to a setting inside a section"),
+        (
+            "experiments.social.trial_steps: [20, 30]",
+            "45: vary.experiments.social.trial_steps.1: experiments.social.steps: must be a whole number of "
+            "trials of 30 steps, such as 90 or 120 (got 100)",
+        ),
+        (
+            "agents.mf: [{kind: q_learning}], agents.mf.alpha: [0.1]",
+            "41: vary.agents.mf.alpha: lies within agents.mf, which varies too",
+        ),
+        (
+            ", ".join(f"humans.human_1.p_{p}: {list(range(1000))}" for p in "HMO"),
+            "1: vary: a grid of 1000000000 points; at most 100000",
+        ),
+    ],
+)
+def test_bad_grids(complaint: Complain, vary: str, line: str) -> None:
+    text = edited("name: lab", f"name: lab\nvary: {{{vary}}}")
+    assert complaint(text) == [f"lab.yaml:2:{line}"]
+
+
+def test_values_that_do_not_go_together(loaded: Load) -> None:
+    vary = "{experiments.social.steps: [100, 120], experiments.social.trial_steps: [20, 50]}"
+    config = loaded(edited("name: lab", f"name: lab\nvary: {vary}"))
+    points = variants(config)
+    assert [next(points).config.experiments["social"].steps for _ in range(3)] == [100, 100, 120]
+    with pytest.raises(ConfigError) as error:
+        next(points)
+    assert str(error.value) == (
+        "vary: at experiments.social.steps=120, experiments.social.trial_steps=50: experiments.social.steps: "
+        "must be a whole number of trials of 50 steps, such as 100 or 150 (got 120)"
+    )
+
+
+def test_too_many_cells_are_counted_not_made(complaint: Complain, loaded: Load) -> None:
+    assert loaded(overrides=["seeds=100000"]).seeds == 100_000
+    assert complaint(edited("  task: visit", "  task: visit\n    models: crossed", LAB + "seeds: 2000\n")) == [
+        "lab.yaml:20:1: seeds: makes up to 4014000 cells; at most 1000000"
+    ]
+
+
+@pytest.mark.parametrize(
+    ("value", "values", "name"),
+    [
+        (0.05, [0.05, 1e-05], "0.05"),
+        (1e-05, [0.05, 1e-05], "1e-05"),
+        (1e16, [1.0, 1e16], "1e16"),
+        (1000, [10, 1000], "1000"),
+        (None, [None, 1], "null"),
+        (True, [True, False], "true"),
+        ("zero", ["uniform", "zero"], "zero"),
+        ("a/b", ["a/c", "a/b"], "1"),
+        ("../x", ["../x"], "0"),
+        ([1, 0, 0], [[0, 0, 1], [1, 0, 0]], "1"),
+        ("x" * 41, ["x" * 41], "0"),
+        ("a", ["A", "a"], "1"),
+        (7, [7, [7]], "0"),
+    ],
+)
+def test_labels_are_safe_folder_names(value: object, values: list[object], name: str) -> None:
+    assert label("agents.mb.x", value, values) == f"agents.mb.x={name}"
+    assert len({label("p", each, values) for each in values}) == len(values)

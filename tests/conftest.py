@@ -1,0 +1,14 @@
+"""Fixtures that several rooms share."""
+
+import pytest
+
+from tests.program import TINY, the_run, visitlab
+
+
+@pytest.fixture(scope="session")
+def tiny_run(tmp_path_factory):
+    """A finished run of `tiny.yaml`, made by the real program with one worker; not to be changed."""
+    out = tmp_path_factory.mktemp("runs")
+    done = visitlab("run", TINY, "--out", out, "--workers", 1)
+    assert done.returncode == 0, done.stderr
+    return the_run(out)

@@ -1,0 +1,52 @@
+"""Running the real program, as a user would, and comparing what it left."""
+
+import hashlib
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+TINY = Path(__file__).with_name("tiny.yaml")
+COMMAND = [sys.executable, "-m", "visitlab_cli"]
+
+
+def visitlab(*arguments, cwd=None, env=None, **options):
+    """Run the program to its end; the result has `returncode`, `stdout` and `stderr` as text."""
+    command = [*COMMAND, *map(str, arguments)]
+    environment = os.environ | {"NO_COLOR": "1", "COLUMNS": "200"} | (env or {})
+    return subprocess.run(
+        command, cwd=cwd, env=environment, capture_output=True, text=True, check=False, timeout=300, **options
+    )
+
+
+def start(*arguments, cwd=None, env=None):
+    """Start the program and return it while it runs."""
+    return subprocess.Popen(
+        [*COMMAND, *map(str, arguments)],
+        cwd=cwd,
+        env=os.environ | {"NO_COLOR": "1"} | (env or {}),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+
+
+def the_run(out):
+    """The only run folder below `out`."""
+    (run,) = (folder for folder in Path(out).iterdir() if not folder.name.startswith("."))
+    return run
+
+
+def hashes(run, below=""):
+    """The sha256 of every file of a run by its path, of those that hold results."""
+    return {
+        file.relative_to(run).as_posix(): hashlib.sha256(file.read_bytes()).hexdigest()
+        for file in sorted((run / below).rglob("*"))
+        if file.is_file() and file.name != "timing.json"
+    }
+
+
+def only_cells(found):
+    """Those of `hashes` that belong to cells."""
+    return {path: digest for path, digest in found.items() if "seed-" in path}

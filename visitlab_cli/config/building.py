@@ -1,0 +1,80 @@
+"""From a document to a config: validation, references, and every problem positioned."""
+
+import json
+from typing import Any
+
+from pydantic import TypeAdapter, ValidationError
+
+from visitlab_cli.agents.registry import AnyAgent
+from visitlab_cli.config.document import Node, Plain
+from visitlab_cli.config.experiments import Experiment, SocialTraining, Visit
+from visitlab_cli.config.human import Human
+from visitlab_cli.config.like import resolve_like
+from visitlab_cli.config.messages import issues_of
+from visitlab_cli.config.model import Config
+from visitlab_cli.config.names import module
+from visitlab_cli.config.problems import Issue, Problem, failure, positioned
+from visitlab_cli.config.references import Declared
+from visitlab_cli.config.references import issues as reference_issues
+
+_ENTRIES: dict[str, TypeAdapter[Any]] = {
+    "humans": TypeAdapter(Human),
+    "agents": TypeAdapter(AnyAgent),
+    "experiments": TypeAdapter(Experiment),
+}
+
+
+def check(plain: Plain) -> tuple[Config | None, list[Issue]]:
+    """The config that plain values make, or None and all issues within and between its parts."""
+    text = json.dumps(plain)  # strict about types as JSON is, where a list may become a tuple
+    try:
+        config = Config.model_validate_json(text, strict=True)
+    except ValidationError as error:
+        return None, issues_of(error) + reference_issues(_declared(plain))
+    found = reference_issues(Declared(config.humans, config.agents, config.experiments, config.expected))
+    return (None, found) if found else (_with_whole_modules(config), [])
+
+
+def build(document: Node, problems: list[Problem]) -> Config:
+    """The config of a document (with includes and overrides), its grid not yet checked.
+
+    Raises:
+        ConfigError: with a line for each problem, those already known included.
+    """
+    whole, issues, broken = resolve_like(document)
+    config, found = check(whole.plain())
+    everything = [*problems, *(positioned(document, issue) for issue in issues)]
+    everything += [positioned(whole, issue) for issue in found if issue.path[:2] not in broken]
+    if everything or config is None:
+        raise failure(everything)
+    return config
+
+
+def _declared(plain: Plain) -> Declared:
+    """What can be checked between the parts of a config that is partly wrong."""
+    humans, agents, experiments = (_valid_entries(section, plain.get(section)) for section in _ENTRIES)
+    expected = plain.get("expected")
+    return Declared(humans, agents, experiments, expected if isinstance(expected, dict) else ())
+
+
+def _valid_entries(section: str, entries: Plain) -> dict[str, Any]:
+    valid: dict[str, Any] = {}
+    for name, entry in entries.items() if isinstance(entries, dict) else ():
+        try:
+            valid[name] = _ENTRIES[section].validate_json(json.dumps(entry), strict=True)
+        except ValidationError:
+            valid[name] = None
+    return valid
+
+
+def _with_whole_modules(config: Config) -> Config:
+    """The config with the human of each social module named, so that one setting has one spelling."""
+    experiments = dict(config.experiments)
+    for name, visit in config.experiments.items():
+        if not isinstance(visit, Visit) or module(visit.modules.social).human is not None:
+            continue
+        social = config.experiments[module(visit.modules.social).experiment]
+        assert isinstance(social, SocialTraining)
+        modules = visit.modules.model_copy(update={"social": f"{visit.modules.social}/{social.humans[0]}"})
+        experiments[name] = visit.model_copy(update={"modules": modules})
+    return config.model_copy(update={"experiments": experiments})

@@ -1,0 +1,86 @@
+"""One text for one config: what is hashed, and what a run folder keeps."""
+
+import hashlib
+import json
+from typing import Any
+
+import yaml
+
+from visitlab_cli.config.experiments import Visit
+from visitlab_cli.config.model import Config
+from visitlab_cli.config.names import module
+from visitlab_cli.config.scalars import meaning
+
+NOT_HASHED = ("name", "seeds", "expected")
+HASH_DIGITS = 8
+
+
+def canonical(config: Config) -> dict[str, Any]:
+    """The whole config as plain values: `like` and `include` resolved, defaults filled in.
+
+    Planning options of a visit whose social module does not plan are left out: there they may not be written.
+    """
+    plain = config.model_dump(mode="json")
+    for name, experiment in config.experiments.items():
+        if isinstance(experiment, Visit) and not config.agents[module(experiment.modules.social).agent].plans:
+            for option in Visit.planning_options:
+                del plain["experiments"][name][option]
+    return plain
+
+
+def hashed(config: Config) -> dict[str, Any]:
+    """What decides a result: the canonical config without `name`, `seeds` and `expected`."""
+    return {key: value for key, value in canonical(config).items() if key not in NOT_HASHED}
+
+
+def canonical_json(config: Config) -> str:
+    """The text that is hashed: keys sorted, no white space."""
+    return json.dumps(hashed(config), sort_keys=True, separators=(",", ":"), allow_nan=False)
+
+
+def config_hash(config: Config) -> str:
+    """8 hex digits: configs that differ only in name, number of seeds or expected values share them."""
+    return hashlib.sha256(canonical_json(config).encode()).hexdigest()[:HASH_DIGITS]
+
+
+class _Dumper(yaml.SafeDumper):
+    """Writes so that our reader, which reads YAML 1.2, reads the same; no anchors."""
+
+    def ignore_aliases(self, data: Any) -> bool:
+        return True
+
+
+def _text(dumper: yaml.SafeDumper, text: str) -> yaml.ScalarNode:
+    quoted = not isinstance(_meaning(text), str)
+    return dumper.represent_scalar("tag:yaml.org,2002:str", text, style='"' if quoted else None)
+
+
+def _meaning(text: str) -> Any:
+    try:
+        return meaning(text)
+    except ValueError:
+        return None
+
+
+_Dumper.add_representer(str, _text)
+
+
+def dump_yaml(config: Config) -> str:
+    """A config file that loads as an equal config with the same hash; the same text for equal configs."""
+    return _dump(canonical(config))
+
+
+def hashed_yaml(config: Config) -> str:
+    """What decides a result, as YAML: the same whatever the number of seeds."""
+    return _dump(hashed(config))
+
+
+def _dump(plain: dict[str, Any]) -> str:
+    return yaml.dump(
+        plain,
+        Dumper=_Dumper,
+        sort_keys=False,
+        default_flow_style=None,
+        allow_unicode=True,
+        width=110,
+    )

@@ -1,0 +1,156 @@
+"""The experiments of a config: three trainings and the visit, told apart by `task`."""
+
+from typing import Annotated, Any, ClassVar, Literal
+
+from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo, WithJsonSchema, field_validator
+
+from visitlab_cli.config.human import Probability, Section
+from visitlab_cli.config.names import ModuleName, Name
+from visitlab_cli.world.columns import GO_TO_HUMAN, NAVIGATION, SOCIAL
+from visitlab_cli.world.grid import N_ROOMS
+from visitlab_cli.world.social import ARENA, DIRECTION_CHANGE
+from visitlab_cli.world.task import TRAINING_TRIAL_STEPS, VISIT_TRIAL_STEPS
+
+MOST_STEPS = 10**12
+
+TRAINING_STEPS = 500_000
+
+
+def _distinct(entries: tuple[Any, ...]) -> tuple[Any, ...]:
+    for position, entry in enumerate(entries):
+        if entry in entries[:position]:
+            raise ValueError(f"has {entry} twice")
+    return entries
+
+
+Names = Annotated[tuple[Name, ...], Field(min_length=1), AfterValidator(_distinct)]
+Room = Annotated[int, Field(ge=0, lt=N_ROOMS)]
+
+
+def _all_rooms(rooms: Any) -> Any:
+    if isinstance(rooms, list):
+        return tuple(rooms)  # a tuple field takes no list from a validator
+    if rooms == "all":
+        return tuple(range(N_ROOMS))
+    raise ValueError("must be all or a list of rooms")
+
+
+GoalRooms = Annotated[
+    tuple[Room, ...],
+    Field(min_length=2),
+    AfterValidator(_distinct),
+    BeforeValidator(_all_rooms),
+    WithJsonSchema(
+        {
+            "anyOf": [
+                {"const": "all"},
+                {
+                    "type": "array",
+                    "minItems": 2,
+                    "uniqueItems": True,
+                    "items": {"type": "integer", "minimum": 0, "maximum": N_ROOMS - 1},
+                },
+            ]
+        }
+    ),
+]
+
+
+class Training(Section):
+    """What the three trainings share: agents, each of which plays alone, and how long."""
+
+    task: str
+    agents: Names = Field(description="the agents that are trained, each on its own")
+    trial_steps: int = Field(default=TRAINING_TRIAL_STEPS, ge=1, le=10**6, description="steps in a trial")
+    steps: int = Field(
+        default=TRAINING_STEPS,
+        ge=1,
+        le=MOST_STEPS,
+        validate_default=True,
+        description="steps of training; a whole number of trials",
+    )
+
+    @field_validator("steps")
+    @classmethod
+    def _whole_trials(cls, steps: int, info: ValidationInfo) -> int:
+        trial_steps = info.data.get("trial_steps", 1)  # absent where it is itself wrong
+        rest = steps % trial_steps
+        if rest:
+            near = [str(n) for n in (steps - rest, steps - rest + trial_steps) if n]
+            trials = f"a whole number of trials of {trial_steps} steps"
+            raise ValueError(f"must be {trials}, such as {' or '.join(near)} (got {steps})")
+        return steps
+
+
+class NavigationTraining(Training):
+    """Learn to reach each of the nine rooms and to stay there; no human."""
+
+    task: Literal["navigation"]
+
+
+class GoToHumanTraining(Training):
+    """Learn to get in front of a human who stands still."""
+
+    task: Literal["go_to_human"]
+    success: Literal["facing", "seen"] = Field(
+        default="facing", description="what is rewarded: being faced by the human, or only seen"
+    )
+
+
+class SocialTraining(Training):
+    """Learn to win a human's attention and to lead it in a desired direction."""
+
+    task: Literal["social"]
+    humans: Names = Field(description="the humans, each met by an agent of its own")
+    arena: int = Field(default=ARENA, ge=2, le=10_000, description="side of the square world, in cells")
+    direction_change: Probability = Field(
+        default=DIRECTION_CHANGE, description="probability that the desired direction is redrawn after a step"
+    )
+
+
+class Modules(Section):
+    """The three trained modules that make a visit, each `experiment/agent` or `experiment/agent/human`."""
+
+    navigation: ModuleName = Field(description="the navigation module, which says where the human should go")
+    go_to_human: ModuleName = Field(description="the module that brings the robot in front of the human")
+    social: ModuleName = Field(description="the social module, which decides and goes on learning")
+
+
+class Visit(Section):
+    """The global task (paper, Fig. 5): the three modules together lead a human through goal rooms."""
+
+    planning_options: ClassVar[tuple[str, ...]] = ("plan_every", "planner_rewards")
+    """Options that mean something only where the social module plans."""
+
+    task: Literal["visit"]
+    modules: Modules = Field(description="which trained modules play")
+    humans: Names = Field(description="the humans that are visited, each by a copy of the modules")
+    trials: int = Field(default=1000, ge=1, le=10**9, description="trials of a visit")
+    trial_steps: int = Field(default=VISIT_TRIAL_STEPS, ge=1, le=10**6, description="steps in a trial")
+    plan_every: int = Field(
+        default=100,
+        ge=1,
+        le=10**9,
+        description="steps between two sweeps of the social module, which goes on learning",
+    )
+    models: Literal["paired", "first", "crossed"] = Field(
+        default="paired",
+        description="visit seed i uses the modules of training seed i (paired), of seed 0 (first), or of "
+        "each seed (crossed)",
+    )
+    goal_rooms: GoalRooms = Field(
+        default=tuple(range(N_ROOMS)),
+        description="rooms that goals are drawn from: all, or a list of at least two, 0..8 row by row from "
+        "the north-west",
+    )
+    planner_rewards: Literal["carried", "restart"] = Field(
+        default="carried",
+        description="whether the social planner starts with the rewards it learned in training or with none",
+    )
+    social_reward: Literal["social", "none"] = Field(
+        default="social", description="what the social module learns from during the visit"
+    )
+
+
+Experiment = Annotated[NavigationTraining | GoToHumanTraining | SocialTraining | Visit, Field(discriminator="task")]
+MODULE_TASKS = (NAVIGATION, GO_TO_HUMAN, SOCIAL)

@@ -1,0 +1,78 @@
+"""Finding a config: a file, or by its bare name one that visitlab ships."""
+
+import re
+from pathlib import Path
+
+from visitlab_cli.config.document import Node, Place
+from visitlab_cli.config.names import NAME_PATTERN
+from visitlab_cli.config.problems import Problem, failure, nearest_name, printable
+from visitlab_cli.config.yaml_reader import read_yaml
+from visitlab_cli.errors import NotFoundError
+
+MOST_BYTES = 1 << 20
+
+_PACKAGE = Path(__file__).parent.parent
+
+
+def shipped_folder() -> Path:
+    """Where the shipped configs lie: in the wheel, or in a checkout."""
+    in_wheel = _PACKAGE / "shipped_configs"
+    return in_wheel if in_wheel.is_dir() else _PACKAGE.parent / "configs"
+
+
+def shipped_configs() -> dict[str, Path]:
+    """The shipped configs by name."""
+    return {path.stem: path for path in sorted(shipped_folder().glob("*.yaml"))}
+
+
+def find(name: str | Path) -> Path:
+    """The file meant by a path or by the bare name of a shipped config.
+
+    Raises:
+        NotFoundError: if there is neither; it says what is shipped.
+    """
+    path = Path(name)
+    if path.exists() and not path.is_dir():
+        return path
+    shipped = shipped_configs()
+    if str(name) in shipped:
+        return shipped[str(name)]
+    if path.is_dir():
+        raise NotFoundError(f"{printable(str(name))}: a folder, not a config")
+    if not re.fullmatch(NAME_PATTERN.removesuffix("$"), str(name)):
+        raise NotFoundError(f"{printable(str(name))}: no such file")
+    near = nearest_name(path.stem, shipped)
+    hint = f"; did you mean {near}?" if near else f"; shipped: {', '.join(shipped)}"
+    raise NotFoundError(f"{printable(str(name))}: no such file, nor a shipped config{hint}")
+
+
+def read_file(path: Path) -> tuple[Node, list[Problem]]:
+    """The mapping in a YAML file, and what was wrong with its keys.
+
+    Raises:
+        NotFoundError: if it cannot be opened.
+        ConfigError: if it is too large, not UTF-8, not YAML or not a mapping.
+    """
+    shown = printable(str(path))
+    try:
+        with path.open("rb") as file:
+            content = file.read(MOST_BYTES + 1)
+    except (OSError, ValueError) as error:  # ValueError: a NUL in the name
+        reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
+        raise NotFoundError(f"{shown}: {reason[:1].lower()}{reason[1:]}") from None
+    if len(content) > MOST_BYTES:
+        raise failure([Problem(Place(shown), (), f"larger than {MOST_BYTES >> 20} MiB; no config is")])
+    try:
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = content.count(b"\n", 0, error.start) + 1
+        column = error.start - content.rfind(b"\n", 0, error.start)
+        raise failure([Problem(Place(shown, line, column), (), "not UTF-8")]) from None
+    node, problems = read_yaml(text, shown)
+    if node is None:
+        message = "empty; `visitlab init` writes a config to start from"
+        raise failure([Problem(Place(shown, 1, 1), (), message)])
+    if not isinstance(node.value, dict):
+        kind = "a list" if isinstance(node.value, list) else "one value"
+        raise failure([*problems, Problem(node.place, (), f"must be a mapping (got {kind})")])
+    return node, problems

@@ -1,0 +1,131 @@
+"""Pydantic's errors in our words, with paths as the YAML has them."""
+
+from collections.abc import Iterator
+from typing import Any, Literal, get_args, get_origin
+
+from pydantic import BaseModel, ValidationError
+from pydantic_core import ErrorDetails
+
+from visitlab_cli.config.model import Config
+from visitlab_cli.config.names import MODULE_PATTERN, MODULE_RULE, NAME_RULE
+from visitlab_cli.config.problems import Issue, Path, or_else, shown
+
+TAGGED_SECTIONS = ("agents", "experiments")
+EXTRA_KEYS: dict[str, tuple[str, ...]] = {"": ("include",), "humans": ("like",), "agents": ("like",)}
+"""Keys that are resolved before validation."""
+
+_BOUNDS = {
+    "greater_than_equal": ("at least", "ge"),
+    "greater_than": ("more than", "gt"),
+    "less_than_equal": ("at most", "le"),
+    "less_than": ("less than", "lt"),
+    "multiple_of": ("a multiple of", "multiple_of"),
+}
+_TYPES = {
+    "int_type": "a whole number",
+    "float_type": "a number",
+    "finite_number": "a finite number",
+    "bool_type": "true or false",
+    "list_type": "a list",
+    "tuple_type": "a list",
+    "dict_type": "a mapping",
+    "model_type": "a mapping",
+    "model_attributes_type": "a mapping",
+}
+
+
+def issues_of(error: ValidationError) -> list[Issue]:
+    """What pydantic found wrong, as issues of the config."""
+    return [_issue(each) for each in error.errors(include_url=False) if not _is_echo(each)]
+
+
+def _is_echo(error: ErrorDetails) -> bool:
+    """Whether a list is only called too short because entries of it are wrong, which is told anyway."""
+    return error["type"] == "too_short" and len(error["input"]) >= error["ctx"]["min_length"]
+
+
+def _issue(error: ErrorDetails) -> Issue:
+    kind, loc, given = error["type"], error["loc"], error["input"]
+    path = _without_tags(loc)
+    if kind == "missing":
+        return Issue(path, "missing")
+    if kind == "extra_forbidden":
+        name, known = loc[-1], sorted(_known_keys(loc[:-1]))
+        return Issue(path, f"unknown{or_else(name, known)}", at="key")
+    if kind in ("union_tag_not_found", "union_tag_invalid"):
+        return _wrong_tag(error, path)
+    message = _message(error, given)
+    return Issue(path[:-1], message, at="key") if loc[-1:] == ("[key]",) else Issue(path, message)
+
+
+def _message(error: ErrorDetails, given: Any) -> str:
+    kind, context = error["type"], error.get("ctx", {})
+    if kind in _BOUNDS:
+        words, bound = _BOUNDS[kind]
+        return f"must be {words} {context[bound]:.15g} (got {shown(given)})"
+    if kind in _TYPES:
+        return f"must be {_TYPES[kind]} (got {shown(given)})"
+    if kind == "string_type":
+        quoted = "" if isinstance(given, dict | list) or given is None else "; put it in quotes"
+        return f"must be text (got {shown(given)}{quoted})"
+    if kind == "string_pattern_mismatch":
+        rule = MODULE_RULE if context["pattern"] == MODULE_PATTERN else NAME_RULE
+        return f"{rule} (got {shown(given)})"
+    if kind in ("too_short", "too_long"):
+        words, bound = ("at least", "min_length") if kind == "too_short" else ("at most", "max_length")
+        return f"must have {words} {_entries(context[bound])} (got {len(given)})"
+    if kind == "literal_error":
+        return f"must be {context['expected'].replace(chr(39), '')} (got {shown(given)})"
+    if kind == "value_error":
+        return str(context["error"])
+    return f"{error['msg']} (got {shown(given)})"
+
+
+def _entries(count: int) -> str:
+    return "1 entry" if count == 1 else f"{count} entries"
+
+
+def _wrong_tag(error: ErrorDetails, path: Path) -> Issue:
+    tag = error["ctx"]["discriminator"].strip("'")
+    if tag not in error["input"]:
+        return Issue((*path, tag), "missing")
+    known = error["ctx"]["expected_tags"].replace("'", "").split(", ")
+    given = error["input"][tag]
+    return Issue((*path, tag), f"no such {tag}: {shown(given)}{or_else(given, known)}")
+
+
+def _without_tags(loc: Path) -> Path:
+    """Pydantic puts the tag of a union after the entry's name; the YAML has no such level."""
+    if loc and loc[0] in TAGGED_SECTIONS and loc[2:] != ("[key]",):
+        return loc[:2] + loc[3:]
+    return loc[:2] + loc[3:] if loc[:2] == ("record", "steps") else loc
+
+
+def _known_keys(loc: Path) -> Iterator[str]:
+    """The keys that the mapping at `loc` (with tags) may have."""
+    model: type[BaseModel] = Config
+    for part in loc:
+        field = model.model_fields.get(str(part))
+        fitting = list(_models(field.annotation if field else None))
+        if not fitting and loc[0] in TAGGED_SECTIONS:
+            annotation = Config.model_fields[str(loc[0])].annotation
+            fitting = [found for found in _models(annotation) if _has_tag(found, part)]
+        if len(fitting) == 1:
+            model = fitting[0]
+    yield from model.model_fields
+    yield from EXTRA_KEYS.get(str(loc[0]) if loc else "", ())
+
+
+def _models(annotation: Any) -> Iterator[type[BaseModel]]:
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        yield annotation
+    elif get_origin(annotation) is not Literal:
+        for inner in get_args(annotation):
+            yield from _models(inner)
+
+
+def _has_tag(model: type[BaseModel], tag: str | int) -> bool:
+    return any(
+        get_origin(field.annotation) is Literal and get_args(field.annotation) == (tag,)
+        for field in model.model_fields.values()
+    )

@@ -1,0 +1,32 @@
+"""The names that a config gives to humans, agents and experiments, and how one is referred to."""
+
+from typing import Annotated, NamedTuple
+
+from pydantic import Field
+
+NAME_RULE = "a name has 1 to 64 of A-Z a-z 0-9 . _ - and starts with a letter or digit"
+_NAME = r"[A-Za-z0-9][A-Za-z0-9._-]{0,63}"
+NAME_PATTERN = f"^{_NAME}$"
+MODULE_PATTERN = f"^{_NAME}/{_NAME}(/{_NAME})?$"
+MODULE_RULE = "a module is experiment/agent or experiment/agent/human"
+
+Name = Annotated[str, Field(pattern=NAME_PATTERN)]
+"""Safe as the name of a folder: no separators, no leading dot or dash, at most 64 characters."""
+
+ModuleName = Annotated[str, Field(pattern=MODULE_PATTERN)]
+
+RESERVED_EXPERIMENTS = ("config.yaml", "versions.json", "evaluations", "figures", "report.html")
+"""What else lies in a run folder beside the experiments' own folders."""
+
+
+class Module(NamedTuple):
+    """A trained module of a visit: the experiment that trains it, the agent, in the social task the human."""
+
+    experiment: str
+    agent: str
+    human: str | None = None
+
+
+def module(text: str) -> Module:
+    """The parts of `experiment/agent` or `experiment/agent/human` (already known to be one of the two)."""
+    return Module(*text.split("/"))

@@ -1,0 +1,157 @@
+"""Whether what a config names is declared, and fits: agents, humans, modules, expected values."""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
+
+from visitlab_cli.agents.base import AgentParameters
+from visitlab_cli.config.experiments import MODULE_TASKS, SocialTraining, Training, Visit
+from visitlab_cli.config.human import Human
+from visitlab_cli.config.names import module
+from visitlab_cli.config.problems import Issue, Path, or_else, printable
+from visitlab_cli.world.columns import SOCIAL, VISIT
+
+
+class Declared(NamedTuple):
+    """What is declared, by name; None for what is declared but wrong in itself."""
+
+    humans: Mapping[str, Human | None]
+    agents: Mapping[str, AgentParameters | None]
+    experiments: Mapping[str, Any]
+    expected: Iterable[str] = ()
+
+
+def issues(declared: Declared) -> list[Issue]:
+    """Everything that is wrong between the parts of a config."""
+    found: list[Issue] = []
+    for section, entries in zip(Declared._fields, declared[:3], strict=False):
+        found += _same_folder(section, entries)
+    for name, agent in declared.agents.items():
+        if agent is not None:
+            found += _agent(("agents", name), agent, declared)
+    for name, experiment in declared.experiments.items():
+        path = ("experiments", name)
+        if isinstance(experiment, Training):
+            found += _players(path, experiment, declared)
+        if isinstance(experiment, SocialTraining | Visit):
+            found += _each_declared("human", (*path, "humans"), experiment.humans, declared.humans)
+        if isinstance(experiment, Visit):
+            found += _visit(path, experiment, declared)
+    for cell in declared.expected:
+        found += _expected(cell, declared)
+    return found
+
+
+def _same_folder(section: str, entries: Iterable[str]) -> Iterator[Issue]:
+    seen: dict[str, str] = {}
+    for name in entries:
+        first = seen.setdefault(name.lower(), name)
+        if first != name:
+            message = f"differs from {first} in case only, which some file systems ignore"
+            yield Issue((section, name), message, at="key")
+
+
+def _each_declared(what: str, path: Path, names: Sequence[str], known: Mapping[str, Any]) -> Iterator[Issue]:
+    for index, name in enumerate(names):
+        if name not in known:
+            yield Issue((*path, index), f"no {what} is called {name}{or_else(name, list(known))}")
+
+
+def _agent(path: Path, agent: AgentParameters, declared: Declared) -> Iterator[Issue]:
+    for field, kinds in agent.references.items():
+        name = getattr(agent, field)
+        other = declared.agents.get(name)
+        if name not in declared.agents:
+            others = [known for known in declared.agents if known != path[-1]]
+            yield Issue((*path, field), f"no agent is called {printable(name)}{or_else(name, others)}")
+        elif other is not None and kinds and _kind(other) not in kinds:
+            message = f"must name an agent of kind {' or '.join(kinds)} ({name} is of kind {_kind(other)})"
+            yield Issue((*path, field), message)
+        elif other is not None and not kinds and other.references:
+            message = f"{name} refers to other agents itself; name one that does not"
+            yield Issue((*path, field), message)
+
+
+def _kind(agent: AgentParameters) -> str:
+    return str(getattr(agent, "kind", "?"))
+
+
+def _players(path: Path, experiment: Any, declared: Declared) -> Iterator[Issue]:
+    yield from _each_declared("agent", (*path, "agents"), experiment.agents, declared.agents)
+    for index, name in enumerate(experiment.agents):
+        for issue in _can_play(name, experiment.task, declared):
+            yield Issue((*path, "agents", index), issue)
+
+
+def _can_play(name: str, task: str, declared: Declared) -> Iterator[str]:
+    agent = declared.agents.get(name)
+    if agent is None:
+        return
+    together = [(name, agent)]
+    for field in agent.references:
+        other = declared.agents.get(getattr(agent, field))
+        together += [(getattr(agent, field), other)] if other is not None else []
+    for who, player in together:
+        if task not in player.tasks:
+            through = "" if who == name else f", which {name} refers to,"
+            yield f"{who}{through} cannot play {task}; it plays {', '.join(player.tasks)}"
+
+
+def _visit(path: Path, visit: Visit, declared: Declared) -> Iterator[Issue]:
+    for task in MODULE_TASKS:
+        for message in _module(task, getattr(visit.modules, task), declared):
+            yield Issue((*path, "modules", task), message)
+    name = module(visit.modules.social).agent
+    social = declared.agents.get(name)
+    for message in _can_play(name, VISIT, declared):
+        yield Issue((*path, "modules", SOCIAL), message)
+    for option in Visit.planning_options:
+        if social is not None and not social.plans and option in visit.model_fields_set:
+            message = f"means nothing here: the social module's agent, {name}, does not plan; leave it out"
+            yield Issue((*path, option), message, at="key")
+
+
+def _module(task: str, text: str, declared: Declared) -> Iterator[str]:
+    experiment_name, agent, human = module(text)
+    fitting = [name for name, other in declared.experiments.items() if getattr(other, "task", None) == task]
+    if experiment_name not in declared.experiments:
+        yield f"no experiment is called {experiment_name}{or_else(experiment_name, fitting)}"
+        return
+    experiment = declared.experiments[experiment_name]
+    if experiment is None:
+        return
+    if experiment.task != task:
+        yield f"{experiment_name} has the task {experiment.task}; needed is {task}{or_else(None, fitting)}"
+    elif agent not in experiment.agents:
+        yield f"{experiment_name} does not train {agent}{or_else(agent, experiment.agents)}"
+    else:
+        yield from _module_human(text, human, experiment)
+
+
+def _module_human(text: str, human: str | None, experiment: Any) -> Iterator[str]:
+    humans = getattr(experiment, "humans", ())
+    if human is None and len(humans) > 1:
+        yield f"say with which human: {' or '.join(f'{text}/{name}' for name in humans)}"
+    elif human is not None and not humans:
+        yield f"{experiment.task} has no human; write {text.rpartition('/')[0]}"
+    elif human is not None and human not in humans:
+        yield f"{text.split('/')[0]} does not train with {human}{or_else(human, humans)}"
+
+
+def _expected(cell: str, declared: Declared) -> Iterator[Issue]:
+    name, *parts = cell.split("/")
+    path = ("expected", cell)
+    if name not in declared.experiments:
+        near = or_else(name, list(declared.experiments))
+        yield Issue(path, f"no experiment is called {printable(name)}{near}", at="key")
+        return
+    experiment = declared.experiments[name]
+    if experiment is None:
+        return
+    levels = [getattr(experiment, level) for level in ("agents", "humans") if hasattr(experiment, level)]
+    if len(parts) != len(levels):
+        form = "/".join([name, *(level for level in ("agent", "human") if hasattr(experiment, f"{level}s"))])
+        yield Issue(path, f"must be {form}", at="key")
+        return
+    for part, names in zip(parts, levels, strict=True):
+        if part not in names:
+            yield Issue(path, f"{name} has no {printable(part)}{or_else(part, names)}", at="key")

@@ -1,0 +1,127 @@
+"""YAML text to nodes with their places, in one pass over the parser's events.
+
+Refused are aliases (and with them alias bombs), tags, a second document, deep nesting, and keys that are
+doubled or not text.
+"""
+
+from collections.abc import Iterator
+from typing import Any, NoReturn
+
+import yaml
+
+from visitlab_cli.config.document import Node, Place
+from visitlab_cli.config.problems import Problem, failure, shown
+from visitlab_cli.config.scalars import meaning
+
+DEEPEST = 32
+
+_Loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+
+
+def read_yaml(text: str, source: str, *, lines: bool = True) -> tuple[Node | None, list[Problem]]:
+    """The document (None if there is none), and what was wrong with its keys.
+
+    Args:
+        text: YAML.
+        source: what to call it in messages.
+        lines: whether places have lines and columns.
+
+    Raises:
+        ConfigError: one line, if it cannot be read any further.
+    """
+    reader = _Reader(text, source, lines)
+    try:
+        return reader.document(), reader.problems
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        reader.stop(_in_our_words(error, mark, text), mark)
+    except yaml.reader.ReaderError as error:
+        before = text.encode()[: error.position].decode(errors="ignore")
+        line, column = before.count("\n"), len(before) - before.rfind("\n") - 1
+        reader.stop(f"a character that YAML does not allow: {shown(chr(error.character))}", (line, column))
+    except UnicodeEncodeError:
+        reader.stop("not UTF-8", (0, 0))
+
+
+def _in_our_words(error: yaml.MarkedYAMLError, mark: Any, text: str) -> str:
+    lines = text.split("\n")
+    rest = lines[mark.line][mark.column :] if mark and mark.line < len(lines) else ""
+    if rest.startswith("\t"):
+        return "a tab; YAML is indented with spaces"
+    if rest[:1] in ("@", "`", "%"):
+        return f"text that starts with {rest[0]} must be in quotes"
+    context = f"{error.context}: " if error.context else ""
+    return f"not YAML: {context}{error.problem}"
+
+
+class _Reader:
+    def __init__(self, text: str, source: str, lines: bool) -> None:
+        self.source, self.lines = source, lines
+        self.events: Iterator[Any] = iter(yaml.parse(text, Loader=_Loader))
+        self.problems: list[Problem] = []
+
+    def place(self, mark: Any) -> Place:
+        line, column = mark if isinstance(mark, tuple) else (mark.line, mark.column)
+        return Place(self.source, line + 1, column + 1) if self.lines else Place(self.source)
+
+    def stop(self, message: str, mark: Any) -> NoReturn:
+        raise failure([*self.problems, Problem(self.place(mark), (), message)])
+
+    def document(self) -> Node | None:
+        next(self.events)  # the stream's start
+        if isinstance(next(self.events), yaml.StreamEndEvent):
+            return None
+        node = self.node(next(self.events), 0, None)
+        next(self.events)  # the document's end
+        after = next(self.events)
+        if not isinstance(after, yaml.StreamEndEvent):
+            self.stop("a second document; a config is one", after.start_mark)
+        return node
+
+    def node(self, event: Any, depth: int, key: Place | None) -> Node:
+        if isinstance(event, yaml.AliasEvent):
+            self.stop(f"an alias (*{event.anchor}); use `like` or `include`", event.start_mark)
+        if event.tag is not None:
+            self.stop(f"a tag ({shown(event.tag)}); a config has none", event.start_mark)
+        if depth > DEEPEST:
+            self.stop(f"nested more than {DEEPEST} deep", event.start_mark)
+        place = self.place(event.start_mark)
+        if isinstance(event, yaml.MappingStartEvent):
+            return Node(self.mapping(depth), place, key)
+        if isinstance(event, yaml.SequenceStartEvent):
+            return Node(self.sequence(depth), place, key)
+        return Node(self.scalar(event), place, key)
+
+    def scalar(self, event: Any) -> Any:
+        if not event.implicit[0]:
+            return event.value
+        try:
+            return meaning(event.value)
+        except ValueError as error:
+            self.stop(str(error), event.start_mark)
+
+    def sequence(self, depth: int) -> list[Node]:
+        entries = []
+        while not isinstance(event := next(self.events), yaml.SequenceEndEvent):
+            entries.append(self.node(event, depth + 1, None))
+        return entries
+
+    def mapping(self, depth: int) -> dict[str, Node]:
+        entries: dict[str, Node] = {}
+        while not isinstance(event := next(self.events), yaml.MappingEndEvent):
+            key = self.node(event, depth + 1, None)
+            value = self.node(next(self.events), depth + 1, key.place)
+            if not isinstance(key.value, str):
+                self.problem(key, f"a key must be text (got {shown(key.plain())}{_quotes(key)})")
+            elif key.value in entries:
+                self.problem(key, f"{shown(key.value)} a second time; first at {entries[key.value].key}")
+            else:
+                entries[key.value] = value
+        return entries
+
+    def problem(self, key: Node, message: str) -> None:
+        self.problems.append(Problem(key.place, (), message))
+
+
+def _quotes(key: Node) -> str:
+    return "" if isinstance(key.value, dict | list) else "; put it in quotes"

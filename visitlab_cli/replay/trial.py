@@ -1,0 +1,108 @@
+"""One recorded trial with what is needed to draw it: its steps, the world's size, the distances that count."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import yaml
+from mcap.reader import make_reader
+
+from visitlab_cli.recording.reader import read_metadata, read_trial
+from visitlab_cli.recording.schema import CONFIG_NAME
+from visitlab_cli.story import Steps
+from visitlab_cli.world.columns import NAVIGATION, SOCIAL, VISIT
+from visitlab_cli.world.geometry import DISTANCES
+from visitlab_cli.world.grid import COL_STEPS, LAB_SIZE, ROW_STEPS
+from visitlab_cli.world.social import ARENA
+
+Vectors = npt.NDArray[np.float32]
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A trial of the log `path`: `number`, `task`, its `cell` and `steps` from step 0 on.
+
+    `size` is the side of the square world in cells, `distances` the four thresholds in cells.
+    """
+
+    path: Path
+    cell: str
+    task: str
+    number: int
+    steps: Steps
+    size: int
+    distances: tuple[int, ...]
+
+    @property
+    def length(self) -> int:
+        """Rows of each column: the steps and the state that the trial starts in."""
+        return len(self.steps["step"])
+
+    @property
+    def last_step(self) -> int:
+        """The number of its last step."""
+        return int(self.steps["step"][-1])
+
+    @property
+    def has_human(self) -> bool:
+        """Whether there is a human."""
+        return self.task != NAVIGATION
+
+    @property
+    def has_engagement(self) -> bool:
+        """Whether the human can be engaged, and led in a desired direction."""
+        return self.task in (SOCIAL, VISIT)
+
+    @property
+    def has_goal(self) -> bool:
+        """Whether there are goal rooms."""
+        return self.task in (NAVIGATION, VISIT)
+
+    @property
+    def has_rooms(self) -> bool:
+        """Whether it plays in the lab with its nine rooms."""
+        return self.size == LAB_SIZE and self.task != SOCIAL
+
+    def places(self, who: str) -> Vectors:
+        """The middle of the cells of `robot` or `human`, as x and y in cells, y southwards: shape (steps + 1, 2)."""
+        return np.stack([self.steps[f"{who}_col"] + 0.5, self.steps[f"{who}_row"] + 0.5], axis=1).astype(np.float32)
+
+    def headings(self, column: str) -> Vectors:
+        """The unit vectors of a column of directions, x eastwards and y southwards: shape (steps + 1, 2)."""
+        return unit_vectors(self.steps[column])
+
+
+def unit_vectors(directions: npt.NDArray[Any]) -> Vectors:
+    """Directions 0..7 as vectors of length 1, x eastwards and y southwards: shape (..., 2)."""
+    vectors = np.stack([COL_STEPS, ROW_STEPS], axis=1).astype(np.float32)
+    vectors /= np.linalg.norm(vectors, axis=1, keepdims=True)
+    chosen: Vectors = vectors[directions]
+    return chosen
+
+
+def load_trial(path: Path, number: int) -> Trial:
+    """Read trial `number` of a log.
+
+    Raises:
+        NotFoundError: there is no such file, or the trial is not recorded.
+        RunError: it is not a log of visitlab, or damaged.
+    """
+    steps = read_trial(path, number)
+    about = read_metadata(path)
+    config = _config(path)
+    task, cell = about["task"], about["cell"]
+    experiment = config.get("experiments", {}).get(cell.split("/")[0], {})
+    size = int(experiment.get("arena", ARENA)) if task == SOCIAL else LAB_SIZE
+    distances = config.get("interaction", {}).get("distances", DISTANCES)
+    return Trial(path, cell, task, number, steps, size, tuple(distances))
+
+
+def _config(path: Path) -> dict[str, Any]:
+    """The config that the log carries; empty where another program wrote the log."""
+    with path.open("rb") as file:
+        for attachment in make_reader(file).iter_attachments():
+            if attachment.name == CONFIG_NAME:
+                return dict(yaml.safe_load(attachment.data))
+    return {}
