@@ -15,7 +15,7 @@ def visitlab(*arguments, cwd=None, env=None, **options):
     command = [*COMMAND, *map(str, arguments)]
     environment = os.environ | {"NO_COLOR": "1", "COLUMNS": "200"} | (env or {})
     return subprocess.run(
-        command, cwd=cwd, env=environment, capture_output=True, text=True, check=False, timeout=300, **options
+        command, cwd=cwd, env=environment, capture_output=True, text=True, check=False, timeout=1800, **options
     )
 
 

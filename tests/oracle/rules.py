@@ -3,8 +3,6 @@
 What is random is given as a distribution: a dict from each possible outcome to its exact probability.
 """
 
-# ruff: noqa: N815 (the paper's names p_S, p_H, ...)
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass

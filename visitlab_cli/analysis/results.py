@@ -7,7 +7,8 @@ from typing import Any
 
 from visitlab_cli.config.model import Config
 from visitlab_cli.execution.cells import Cell
-from visitlab_cli.storage.cell_folder import read_cell
+from visitlab_cli.storage.arrays import read_trials
+from visitlab_cli.storage.cell_folder import TRIALS, read_cell
 from visitlab_cli.world.columns import VISIT
 
 
@@ -54,6 +55,18 @@ MEASURES = {
 }
 
 
+def _values(run: Path, cells: Sequence[Cell], trials: Sequence[int] | None) -> tuple[str, list[float]]:
+    """What is measured, and its value in each cell that is done; `trials` are the first and last, from 1."""
+    key, measure = MEASURES[cells[0].task == VISIT]
+    facts = {cell.path: found for cell in cells if (found := read_cell(run / cell.path)) is not None}
+    if trials is None:
+        return measure, [each[key] for each in facts.values()]
+    first, last = trials
+    rewards = [read_trials(run / path / TRIALS)["reward"][first - 1 : last] for path in facts]
+    measure = f"{measure.partition(',')[0]}, {first} to {last}"
+    return measure, [float(part.mean()) for part in rewards if len(part)]
+
+
 def results(run: Path, config: Config, cells: Sequence[Cell]) -> list[Result]:
     """A line for each group of cells that differ in nothing but their seeds."""
     groups: dict[str, list[Cell]] = {}
@@ -61,15 +74,14 @@ def results(run: Path, config: Config, cells: Sequence[Cell]) -> list[Result]:
         groups.setdefault(cell.group, []).append(cell)
     lines = []
     for group, members in groups.items():
-        key, measure = MEASURES[members[0].task == VISIT]
-        facts = [found for cell in members if (found := read_cell(run / cell.path)) is not None]
-        value = sum(each[key] for each in facts) / len(facts) if facts else None
         expected = config.expected.get(group)
+        measure, values = _values(run, members, expected.trials if expected else None)
+        value = sum(values) / len(values) if values else None
         lines.append(
             Result(
                 group,
                 measure,
-                len(facts),
+                len(values),
                 len(members),
                 value,
                 expected.value if expected else None,

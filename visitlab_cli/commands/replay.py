@@ -1,5 +1,75 @@
-"""`visitlab replay`: a trial in the Rerun viewer."""
+"""`visitlab replay`: a recorded trial in the Rerun viewer, as a file, in a browser, as a picture, as a strip."""
+
+import json
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from visitlab_cli.commands.options import RUNS, Json, Out
 
 
-def command() -> None:
-    """To come."""
+def command(
+    run: Annotated[
+        str, typer.Argument(metavar="RUN|FILE", help="A run (its folder, name, 'latest') or an .mcap file.")
+    ],
+    experiment: Annotated[str, typer.Option("--experiment", "-e", help="Of this experiment; else a visit.")] = "",
+    human: Annotated[str, typer.Option(help="With this human.")] = "",
+    agent: Annotated[str, typer.Option(help="Of this agent; in a visit the social module's.")] = "",
+    seed: Annotated[int | None, typer.Option(min=0, help="Of this repetition, from 0.")] = None,
+    trial: Annotated[
+        str, typer.Option(metavar="N|SELECTOR", help="Its number, or best, worst, median, longest-engagement.")
+    ] = "0",
+    save: Annotated[Path | None, typer.Option(help="Write an .rrd file instead.")] = None,
+    web: Annotated[bool, typer.Option("--web", help="Serve it to a browser on this machine instead.")] = False,
+    png: Annotated[Path | None, typer.Option(help="Write a picture of --step instead; needs no screen.")] = None,
+    step: Annotated[int | None, typer.Option(min=0, help="The step of the picture.")] = None,
+    strip: Annotated[Path | None, typer.Option(help="Write a comic strip instead: .png, .svg or .pdf.")] = None,
+    out: Out = RUNS,
+    as_json: Json = False,
+) -> None:
+    """Replay a recorded trial: in the viewer, or wherever an option says."""
+    from visitlab_cli.errors import UsageError
+
+    if sum((save is not None, web, png is not None, strip is not None)) > 1:
+        raise UsageError("--save, --web, --png and --strip: choose one")
+    if (png is None) != (step is None):
+        raise UsageError("--png and --step: a picture needs both, as in --png picture.png --step 12")
+    if save is not None and save.suffix.lower() != ".rrd":
+        raise UsageError(f"--save {save}: must end in .rrd")
+    if save is None and not web and png is None and strip is None:
+        from visitlab_cli.replay.viewer import check_display
+
+        check_display()
+
+    from visitlab_cli.replay.choice import Selection, choose_trial, find_log
+    from visitlab_cli.replay.trial import load_trial
+
+    log = find_log(run, out, Selection(experiment, human, agent, seed))
+    if log.others:
+        typer.echo(f"chose {log.cell} of {len(log.others) + 1} cells; the next is {log.others[0]}", err=True)
+    chosen = load_trial(log.path, choose_trial(log.path, trial))
+    if not trial.isdecimal():
+        typer.echo(f"the {trial} trial is {chosen.number}", err=True)
+    if strip is not None:
+        from visitlab_cli.replay.strip import save_strip
+
+        save_strip(chosen, strip)
+    elif png is not None and step is not None:
+        from visitlab_cli.replay.picture import save_picture
+
+        save_picture(chosen, step, png)
+    else:
+        from visitlab_cli.replay.recording import record, write_whole
+        from visitlab_cli.replay.viewer import serve, show
+
+        content = record(chosen)
+        if save is not None:
+            write_whole(save, content)
+        elif web:
+            serve(content, lambda address: typer.echo(f"{address}\nCtrl-C ends it."))
+        else:
+            show(content)
+    if target := save or png or strip:
+        told = {"cell": log.cell, "trial": chosen.number, "file": str(target)}
+        typer.echo(json.dumps(told) if as_json else f"{log.cell}, trial {chosen.number}: {target}")

@@ -27,21 +27,13 @@ SpeedDistribution = Annotated[tuple[Probability, ...], Field(min_length=3, max_l
 class Human(Section):
     """How a simulated human reacts to the robot (paper, section 3.4, Table 1); only `p_S` has no default."""
 
-    p_S: SpeedDistribution = Field(
-        description="probabilities of moving at speed 1, 2 and 3; they sum to 1"
-    )
-    p_H: Probability = Field(
-        default=0.0, description="failing hello: probability that a hello goes unnoticed"
-    )
-    p_M: Probability = Field(
-        default=0.0, description="random movement: probability of a move when not engaged"
-    )
+    p_S: SpeedDistribution = Field(description="probabilities of moving at speed 1, 2 and 3; they sum to 1")
+    p_H: Probability = Field(default=0.0, description="failing hello: probability that a hello goes unnoticed")
+    p_M: Probability = Field(default=0.0, description="random movement: probability of a move when not engaged")
     p_O: Probability = Field(
         default=0.0, description="random eye movement: probability of a new heading when not engaged"
     )
-    p_A: Probability = Field(
-        default=0.0, description="losing attention: probability of disengaging at each step"
-    )
+    p_A: Probability = Field(default=0.0, description="losing attention: probability of disengaging at each step")
     p_P: Probability = Field(
         default=0.0, description="pointing need: probability that 'come' must be followed by pointing"
     )

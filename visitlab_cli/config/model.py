@@ -24,6 +24,13 @@ def _not_reserved(name: str) -> str:
     return name
 
 
+def _first_to_last(trials: tuple[int, ...]) -> tuple[int, ...]:
+    if trials[0] > trials[1]:
+        raise ValueError("must go from the first trial to the last")
+    return trials
+
+
+TrialNumber = Annotated[int, Field(ge=1, le=10**9)]
 Distance = Annotated[int, Field(ge=1, le=10_000)]
 ExperimentName = Annotated[Name, AfterValidator(_not_reserved)]
 
@@ -67,6 +74,9 @@ class Record(Section):
         return 1 if self.steps == "every" else 0
 
 
+TrialRange = Annotated[tuple[TrialNumber, ...], Field(min_length=2, max_length=2), AfterValidator(_first_to_last)]
+
+
 class Expected(Section):
     """What a module or visit should reach; a run that misses it exits with 4."""
 
@@ -77,6 +87,9 @@ class Expected(Section):
         "of a visit the goals per trial in the last tenth",
     )
     tolerance: float = Field(ge=0, le=1e9, description="how far from `value` is still right")
+    trials: TrialRange | None = Field(
+        default=None, description="the first and the last trial, counted from 1, that `value` is the mean of instead"
+    )
 
 
 class Config(Section):

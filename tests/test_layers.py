@@ -1,0 +1,113 @@
+"""The rooms of the house: imports go down only, and heavy packages stay where they belong."""
+
+import ast
+import shutil
+from pathlib import Path
+
+import pytest
+
+import visitlab_cli
+
+PACKAGE = Path(visitlab_cli.__file__).parent
+FLOORS = [
+    {"__init__", "errors"},
+    {"compiled"},
+    {"random_numbers"},
+    {"world"},
+    {"agents"},
+    {"simulation"},
+    {"config"},
+    {"recording"},
+    {"storage"},
+    {"execution"},
+    {"analysis"},
+    {"story"},
+    {"figures", "replay", "report"},
+    {"commands"},
+    {"cli"},
+    {"__main__"},
+]
+FLOOR = {room: floor for floor, rooms in enumerate(FLOORS) for room in rooms}
+LIGHT = {"typer", "visitlab_cli", "rich"}
+STANDARD_BUT_SLOW = {"multiprocessing", "asyncio", "concurrent"}
+
+
+def files(package):
+    return sorted(package.rglob("*.py"))
+
+
+def room_of(package, file):
+    return file.relative_to(package).parts[0].removesuffix(".py")
+
+
+def imports(file, whole=True):
+    """The modules that a file imports: anywhere in it, or only those that importing it loads."""
+    tree = ast.parse(file.read_text())
+    nodes = ast.walk(tree) if whole else tree.body
+    for node in nodes:
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{file}: relative import"
+            yield node.module
+            yield from (f"{node.module}.{alias.name}" for alias in node.names)
+
+
+def upward_imports(package):
+    found = []
+    for file in files(package):
+        here = room_of(package, file)
+        for name in imports(file):
+            parts = name.split(".")
+            if parts[0] != "visitlab_cli":
+                continue
+            there = parts[1] if len(parts) > 1 and parts[1] in FLOOR else "__init__"
+            beside = FLOOR[there] == FLOOR[here] and there != here
+            if FLOOR[there] > FLOOR[here] or (beside and "__init__" not in (here, there)):
+                found.append(f"{file.relative_to(package)}: {name}")
+    return found
+
+
+def test_every_room_has_its_floor():
+    assert {room_of(PACKAGE, file) for file in files(PACKAGE)} <= set(FLOOR)
+
+
+def test_imports_go_down_only():
+    assert upward_imports(PACKAGE) == []
+
+
+@pytest.mark.parametrize(
+    ("file", "line"),
+    [
+        ("world/human.py", "from visitlab_cli.agents.base import choose"),
+        ("agents/rmax.py", "import visitlab_cli.simulation.loop"),
+        ("storage/arrays.py", "def f():\n    from visitlab_cli.execution.cells import plan"),
+        ("errors.py", "from visitlab_cli import cli"),
+    ],
+)
+def test_an_upward_import_is_seen(tmp_path, file, line):
+    package = tmp_path / "visitlab_cli"
+    shutil.copytree(PACKAGE, package, ignore=shutil.ignore_patterns("__pycache__"))
+    with (package / file).open("a") as stream:
+        stream.write(f"\n{line}\n")
+    assert [found.split(":")[0] for found in upward_imports(package)] == [file] * len(upward_imports(package))
+    assert upward_imports(package)
+
+
+def test_only_replay_imports_rerun():
+    using = {room_of(PACKAGE, file) for file in files(PACKAGE) for name in imports(file) if name.startswith("rerun")}
+    assert using <= {"replay"}
+
+
+def test_commands_load_nothing_heavy():
+    import sys
+
+    for file in [*files(PACKAGE / "commands"), PACKAGE / "cli.py", PACKAGE / "errors.py"]:
+        for name in imports(file, whole=False):
+            top = name.split(".")[0]
+            assert top in LIGHT or (top in sys.stdlib_module_names and top not in STANDARD_BUT_SLOW), (file, name)
+            if top == "visitlab_cli":
+                assert name in {"visitlab_cli", "visitlab_cli.__version__"} or name.split(".")[1] in {
+                    "commands",
+                    "errors",
+                }, (file, name)
