@@ -59,7 +59,7 @@ def try_everything(task, agent, random):
             for col in range(24):
                 for action in range(25):
                     scene = Scene(row, col, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, goal)
-                    after, reward, lesson = step(task, scene, action, random)
+                    after, _, lesson = step(task, scene, action, random)
                     count += 1
                     learn(agent, observe(task, scene), action, lesson, observe(task, after), count)
 

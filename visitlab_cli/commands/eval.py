@@ -42,6 +42,6 @@ def command(
     untrained = missing_cells(folder, [c for c in plan(config) if c.task != VISIT and c.path in needed])
     if untrained:
         raise RunError(
-            f"{folder}: not trained yet: {untrained[0].path}; finish with visitlab train {folder}/config.yaml"
+            f"{folder}: not trained yet: {untrained[0].path}; train it with visitlab train {folder}/config.yaml"
         )
     run_and_tell(folder, config, cells, workers=workers, as_json=as_json, quiet=quiet)

@@ -1,0 +1,213 @@
+"""`run`, `train`, `eval` and `validate` on a tiny config, and what they say when something is wrong."""
+
+import json
+import os
+import resource
+import shutil
+import stat
+
+import numpy as np
+import pytest
+
+from tests.program import TINY, hashes, the_run, visitlab
+from visitlab_cli.storage.arrays import read_model, read_trials
+
+EXPECTING = """
+expected:
+  navigation/chance: {{value: {value}, tolerance: 0.5}}
+"""
+ONE_CELL = "experiments={navigation: {task: navigation, agents: [mf], steps: 40}}"
+
+
+@pytest.fixture
+def run(tiny_run, tmp_path):
+    """A copy of the tiny run that a test may change."""
+    shutil.copytree(tiny_run, tmp_path / "runs" / tiny_run.name)
+    return tmp_path / "runs" / tiny_run.name
+
+
+def told(done):
+    """The last line on stderr, which says what is wrong."""
+    return done.stderr.splitlines()[-1]
+
+
+def test_what_a_cell_leaves(tiny_run):
+    cell = tiny_run / "social" / "mb" / "fast" / "seed-0000"
+    assert sorted(file.name for file in cell.iterdir()) == [
+        "cell.json",
+        "model.npz",
+        "steps.mcap",
+        "timing.json",
+        "trials.parquet",
+    ]
+    facts, rewards = json.loads((cell / "cell.json").read_text()), read_trials(cell / "trials.parquet")
+    assert facts["cell"] == "social/mb/fast/seed-0000"
+    assert facts["steps"] == 1200
+    assert facts["mean_reward_last_tenth"] == rewards["reward"][-6:].mean()
+    assert facts["files"]["model.npz"]["size"] == (cell / "model.npz").stat().st_size
+    model = read_model(cell / "model.npz")
+    assert model["q"].shape == (2560, 30)
+    assert model["visits"].sum() == model["successor_counts"].sum() == 1200
+    assert model["successor_offsets"][-1] == len(model["successor_states"])
+    assert model["reward_sums"].sum() == rewards["reward"].sum()
+    assert model["random_state"].shape == (4,)
+    visit = read_trials(tiny_run / "visit" / "fast" / "seed-0000" / "trials.parquet")
+    assert list(visit) == ["trial", "reward", "goals"]
+    assert visit["trial"].tolist() == [0, 1, 2, 3]
+
+
+def test_running_again_does_only_what_is_missing(run):
+    times = {file: file.stat().st_mtime_ns for file in run.rglob("cell.json")}
+    expected = hashes(run)
+    missing = [run / "social" / "mf" / "fast", run / "visit" / "slow"]
+    shutil.rmtree(missing[0])
+    (missing[1] / "seed-0000" / "model.npz").write_bytes(b"cut short")
+    (run / ".tmp-left-behind").mkdir()
+    done = visitlab("run", TINY, "--out", run.parent)
+    assert "2 of 17 cells to do" in done.stderr
+    assert hashes(run) == expected
+    again = {file: file.stat().st_mtime_ns for file in run.rglob("cell.json")}
+    changed = {file.parents[1] for file in again if again[file] != times[file]}
+    assert changed == set(missing)
+    third = visitlab("run", TINY, "--out", run.parent)
+    assert third.stderr == ""
+    assert third.stdout == done.stdout
+
+
+def test_train_then_eval_is_run(tiny_run, tmp_path):
+    assert visitlab("train", TINY, "--out", tmp_path).returncode == 0
+    run = the_run(tmp_path)
+    assert not (run / "visit").exists()
+    assert visitlab("eval", run, "--workers", 1).returncode == 0
+    assert hashes(run) == hashes(tiny_run)
+
+
+def test_eval_with_options_lies_beside(run):
+    before = hashes(run)
+    done = visitlab("eval", run, "--human", "fast_pointing", "--trials", 2, "--frozen", "--json")
+    assert done.returncode == 0, done.stderr
+    names = [line["name"] for line in json.loads(done.stdout)["results"]]
+    assert len(names) == 2
+    assert all(name.startswith("evaluations/") and name.endswith("/fast_pointing") for name in names)
+    cell = run / names[0] / "seed-0000"
+    assert len(read_trials(cell / "trials.parquet")["goals"]) == 2
+    trained = read_model(run / "social" / "mb" / "fast" / "seed-0000" / "model.npz")["q"]
+    assert np.array_equal(read_model(cell / "model.npz")["q"], trained)
+    after = hashes(run)
+    assert {path: after[path] for path in before} == before
+
+
+def test_eval_wants_trained_modules(run):
+    shutil.rmtree(run / "navigation" / "rmax")
+    done = visitlab("eval", run, "--trials", 2)
+    assert done.returncode == 4
+    what, how = "navigation/rmax/seed-0000", f"visitlab train {run}/config.yaml"
+    assert told(done) == f"{run}: not trained yet: {what}; train it with {how}"
+
+
+@pytest.mark.parametrize(("value", "code"), [(0.0, 4), (None, 0)])
+def test_an_expected_value_that_is_missed_exits_with_4(tiny_run, tmp_path, value, code):
+    facts = json.loads((tiny_run / "navigation" / "chance" / "seed-0000" / "cell.json").read_text())
+    reached = facts["mean_reward_last_hundredth"]
+    assert reached > 1
+    config = tmp_path / "expecting.yaml"
+    config.write_text(TINY.read_text() + EXPECTING.format(value=reached if value is None else value))
+    done = visitlab("train", config, "--out", tmp_path / "runs")
+    assert done.returncode == code
+    assert ("MISSED" in done.stdout) == (code == 4)
+    if code:
+        assert told(done) == "not within the tolerance of what the config expects: navigation/chance"
+        other = visitlab("train", config, "agents.mf.alpha=0.4", "--out", tmp_path / "other")
+        assert other.returncode == 0
+        assert "difference" not in other.stdout
+
+
+def test_validate_says_what_would_run(tmp_path):
+    done = visitlab("validate", TINY)
+    assert done.returncode == 0
+    assert done.stdout == "valid: 17 cells, 18,000 steps; the run would be tiny-54e75efa\n"
+    assert json.loads(visitlab("validate", TINY, "--json").stdout)["cells"] == 17
+
+
+BAD = [
+    (["run", "nope.yaml"], 5, "nope.yaml: no such file, nor a shipped config; shipped: paper, quickstart"),
+    (["run", "quickstrat"], 5, "quickstrat: no such file, nor a shipped config; did you mean quickstart?"),
+    (["run", TINY, "sedes=2"], 3, "override 'sedes=2': sedes: unknown; did you mean seeds?"),
+    (["run", TINY, "humans.slow.p_M=2"], 3, "override 'humans.slow.p_M=2': humans.slow.p_M: must be at most 1 (got 2)"),
+    (["eval", "latest"], 5, "latest: no such run in runs"),
+    (["eval", "tiny-0"], 5, "tiny-0: no such run in runs"),
+]
+
+
+@pytest.mark.parametrize(("arguments", "code", "line"), BAD)
+def test_bad_input_is_one_line(tmp_path, arguments, code, line):
+    done = visitlab(*arguments, cwd=tmp_path)
+    assert (done.returncode, done.stdout, done.stderr) == (code, "", line + "\n")
+    assert not list(tmp_path.iterdir())
+
+
+def test_an_undeclared_human_is_named(tiny_run):
+    done = visitlab("eval", tiny_run, "--human", "fst")
+    assert (done.returncode, told(done)) == (
+        2,
+        "--human fst: the run's config declares no such human; did you mean fast?",
+    )
+
+
+def test_a_run_whose_config_was_edited_is_refused(run):
+    config = run / "config.yaml"
+    config.write_text(config.read_text().replace("alpha: 0.5", "alpha: 0.25", 1))
+    done = visitlab("run", TINY, "--out", run.parent)
+    assert done.returncode == 4
+    assert told(done) == (f"{config}: was edited: agents.mf.alpha is 0.25, not 0.5; restore it, or move the run away")
+
+
+def test_a_folder_that_cannot_be_made(tmp_path):
+    (tmp_path / "file").touch()
+    done = visitlab("run", TINY, "--out", tmp_path / "file")
+    assert done.returncode == 4
+    assert done.stderr.startswith(f"{tmp_path / 'file'}/tiny-")
+    assert done.stderr.endswith("can't be written: Not a directory\n")
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may write everywhere")
+def test_a_folder_that_must_not_be_written(tmp_path):
+    tmp_path.chmod(stat.S_IRUSR | stat.S_IXUSR)
+    done = visitlab("run", TINY, "--out", tmp_path)
+    assert done.returncode == 4
+    assert done.stderr.endswith("can't be written: Permission denied\n")
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_a_full_disk_leaves_nothing_half_written(tiny_run, tmp_path, workers):
+    def little_room():
+        resource.setrlimit(resource.RLIMIT_FSIZE, (40_000, resource.RLIM_INFINITY))
+
+    done = visitlab("train", TINY, "--out", tmp_path, "--workers", workers, preexec_fn=little_room)
+    assert done.returncode == 4
+    assert "File too large" in told(done)
+    run = the_run(tmp_path)
+    assert not list(run.glob(".tmp-*"))
+    cells = {file.parent for file in run.rglob("*") if file.is_file() and file.parent != run}
+    assert all((cell / "cell.json").exists() for cell in cells)
+    assert visitlab("run", TINY, "--out", tmp_path).returncode == 0
+    assert hashes(run) == hashes(tiny_run)
+
+
+def test_names_with_spaces_and_other_letters(tmp_path):
+    out = tmp_path / "mes résultats à moi"
+    done = visitlab("train", TINY, "--out", out, ONE_CELL)
+    assert done.returncode == 0, done.stderr
+    assert visitlab("eval", "tiny", "--out", out).returncode == 2
+
+
+def test_no_home_and_no_terminal(tmp_path):
+    environment = {"HOME": "", "XDG_CACHE_HOME": ""}
+    done = visitlab("train", TINY, ONE_CELL, "--out", tmp_path, env=environment)
+    assert done.returncode == 0, done.stderr
+
+
+def test_version_and_help():
+    assert visitlab("--version").stdout.strip().count(".") == 2
+    assert visitlab("-h").returncode == 0
+    assert "Did you mean 'run'?" in visitlab("runn").stderr

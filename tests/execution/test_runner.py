@@ -1,0 +1,60 @@
+"""What the runner does when cells fail or workers die."""
+
+import os
+
+import pytest
+
+from visitlab_cli.config.loading import load
+from visitlab_cli.execution import cell_runner, workers
+from visitlab_cli.execution.cells import plan
+from visitlab_cli.execution.progress import Progress
+from visitlab_cli.execution.runner import missing_cells, run_cells
+
+CONFIG = """
+name: failing
+seeds: 4
+agents: {mf: {kind: q_learning}}
+experiments: {navigation: {task: navigation, agents: [mf], steps: 40}}
+"""
+
+
+@pytest.fixture
+def cells(tmp_path):
+    file = tmp_path / "failing.yaml"
+    file.write_text(CONFIG)
+    return plan(load(file))
+
+
+def dies_on_seed_1(run, cell, slot):
+    """Stand in for a worker that the system kills: importable, so that processes can run it."""
+    if cell.seed == 1:
+        os._exit(9)
+    cell_runner.run_cell(run, cell, lambda steps: None)
+
+
+def raises_on_seed_1(run, cell, slot):
+    if cell.seed == 1:
+        raise ZeroDivisionError("no such thing")
+    cell_runner.run_cell(run, cell, lambda steps: None)
+
+
+@pytest.mark.parametrize("count", [1, 2])
+def test_an_exception_fails_its_cell_alone(cells, tmp_path, monkeypatch, count):
+    monkeypatch.setattr(workers, "_run_in_slot", raises_on_seed_1)
+    failures = run_cells(tmp_path, cells, count, Progress(quiet=True))
+    assert failures == {"navigation/mf/seed-0001": "ZeroDivisionError: no such thing"}
+    assert [cell.seed for cell in missing_cells(tmp_path, cells)] == [1]
+
+
+def test_a_worker_that_always_dies_costs_only_its_cell(cells, tmp_path, monkeypatch):
+    monkeypatch.setattr(workers, "_run_in_slot", dies_on_seed_1)
+    failures = run_cells(tmp_path, cells, 2, Progress(quiet=True))
+    assert failures == {"navigation/mf/seed-0001": "its worker process died 3 times (out of memory?)"}
+    assert [cell.seed for cell in missing_cells(tmp_path, cells)] == [1]
+
+
+def test_rewards_that_are_no_numbers_fail_the_cell(cells, tmp_path, monkeypatch):
+    monkeypatch.setattr(cell_runner, "last_mean", lambda rewards, part: float("nan"))
+    failures = run_cells(tmp_path, cells[:1], 1, Progress(quiet=True))
+    assert list(failures) == ["navigation/mf/seed-0000"]
+    assert not list(tmp_path.glob("navigation/*/*"))

@@ -1,0 +1,108 @@
+"""A cell appears whole or not at all."""
+
+import json
+import os
+import subprocess
+import sys
+
+import pytest
+
+from visitlab_cli.errors import RunError
+from visitlab_cli.storage.cell_folder import NewCell, read_cell, remove_leftovers
+
+FACTS, TIMING = {"steps": 1}, {"seconds": 2}
+
+
+def write(run, path="a/b/seed-0000", text="data"):
+    with NewCell(run, path) as new:
+        (new.folder / "model.npz").write_text(text)
+        new.commit(FACTS, TIMING)
+
+
+def names(run):
+    return sorted(path.relative_to(run).as_posix() for path in run.rglob("*") if path.is_file())
+
+
+def test_committed_it_is_there_and_says_what_it_holds(tmp_path):
+    write(tmp_path)
+    assert names(tmp_path) == [f"a/b/seed-0000/{name}" for name in ("cell.json", "model.npz", "timing.json")]
+    cell = read_cell(tmp_path / "a/b/seed-0000")
+    assert cell["steps"] == 1
+    assert cell["files"] == {
+        "model.npz": {
+            "size": 4,
+            "sha256": "3a6eb0790f39ac87c94f3856b2dd2c5d110e6811602261a9a923d3bb23adc8b7",
+        }
+    }
+
+
+def test_an_exception_leaves_nothing(tmp_path):
+    with pytest.raises(ValueError, match="midway"), NewCell(tmp_path, "a/b") as new:
+        (new.folder / "model.npz").write_text("data")
+        raise ValueError("midway")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_an_os_error_is_one_clear_line(tmp_path):
+    with pytest.raises(RunError) as caught, NewCell(tmp_path, "a/b"):
+        raise OSError(28, "No space left on device")
+    assert str(caught.value) == f"{tmp_path}/a/b: can't be written: No space left on device"
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_first_to_finish_wins(tmp_path):
+    with NewCell(tmp_path, "a/b/seed-0000") as late:
+        (late.folder / "model.npz").write_text("late")
+        write(tmp_path, text="first")
+        late.commit(FACTS, TIMING)
+    assert (tmp_path / "a/b/seed-0000/model.npz").read_text() == "first"
+    assert len(names(tmp_path)) == 3
+
+
+def cut(file):
+    file.write_bytes(file.read_bytes()[:-1])
+
+
+DAMAGE = {
+    "no cell.json": lambda cell: (cell / "cell.json").unlink(),
+    "cell.json cut": lambda cell: (cell / "cell.json").write_text('{"format": 1, "fi'),
+    "cell.json empty": lambda cell: (cell / "cell.json").write_text(""),
+    "cell.json a list": lambda cell: (cell / "cell.json").write_text("[]"),
+    "another format": lambda cell: (cell / "cell.json").write_text('{"format": 99, "files": {}}'),
+    "files not a map": lambda cell: (cell / "cell.json").write_text('{"format": 1, "files": 3}'),
+    "a file cut": lambda cell: cut(cell / "model.npz"),
+    "a file gone": lambda cell: (cell / "model.npz").unlink(),
+}
+
+
+@pytest.mark.parametrize("damage", DAMAGE.values(), ids=DAMAGE)
+def test_a_damaged_cell_is_not_done_and_is_replaced(tmp_path, damage):
+    write(tmp_path)
+    cell = tmp_path / "a/b/seed-0000"
+    damage(cell)
+    assert read_cell(cell) is None
+    write(tmp_path, text="again")
+    assert (cell / "model.npz").read_text() == "again"
+    assert read_cell(cell) is not None
+
+
+def test_what_the_dead_left_is_removed_and_what_the_living_write_is_not(tmp_path):
+    program = (
+        "import os, pathlib, sys\n"
+        "from visitlab_cli.storage.cell_folder import NewCell\n"
+        "NewCell(pathlib.Path(sys.argv[1]), 'dead').__enter__()\n"
+        "os._exit(9)\n"
+    )
+    subprocess.run([sys.executable, "-c", program, str(tmp_path)], check=False, env=os.environ)
+    assert len(list(tmp_path.glob(".tmp-dead-*"))) == 1
+    with NewCell(tmp_path, "alive") as new:
+        remove_leftovers(tmp_path)
+        assert list(tmp_path.iterdir()) == [new.folder]
+
+
+def test_the_same_facts_are_the_same_text(tmp_path):
+    write(tmp_path / "one")
+    write(tmp_path / "two")
+    cells = [(tmp_path / run / "a/b/seed-0000/cell.json").read_bytes() for run in ("one", "two")]
+    assert cells[0] == cells[1]
+    assert json.loads(cells[0])["format"] == 1
