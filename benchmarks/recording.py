@@ -102,7 +102,7 @@ def main() -> None:
     print(f"{'':24} {'us/step':>8} {'B/step':>8} {'stock us':>10} {'stock B':>10} {'faster':>8}")
     with tempfile.TemporaryDirectory() as folder:
         for log in logs:
-            compare(log.parent.name or log.name, read_metadata(log)["task"], logged_steps(log), Path(folder))
+            compare("/".join(log.parts[-4:-2]), read_metadata(log)["task"], logged_steps(log), Path(folder))
         for task in () if logs else TASKS:
             compare(f"{task}, uniform", task, drawn_steps(task), Path(folder))
 
