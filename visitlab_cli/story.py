@@ -101,9 +101,13 @@ class Moment(NamedTuple):
 
 
 SEEN, GREETED, CALLED, FOLLOWING = "seen", "greeted", "called", "following"
-REACHED, LOST = "goal reached", "attention lost"
+REACHED, REWARDED, LOST = "goal reached", "rewarded", "attention lost"
 FACTS = (SEEN, GREETED, FOLLOWING, REACHED, LOST)
 """The kinds of moment that every interaction worth telling has."""
+
+
+MOST_PANELS = 12
+"""As many panels as a strip of one page has."""
 
 
 def room_name(room: int) -> str:
@@ -151,8 +155,13 @@ def caption(steps: Steps, step: int) -> str:
 
 
 def moments(steps: Steps) -> list[Moment]:
-    """The moments of a trial in their order: seen anew, greeted, called, following, goal reached, attention lost."""
+    """The moments of a trial in their order; of unbroken rewards in a training only the first is one."""
     return list(_moments(steps))
+
+
+def strip_steps(steps: Steps) -> list[int]:
+    """The steps that a comic strip shows: how the trial begins, then its first moments."""
+    return sorted({0, *(moment.step for moment in moments(steps))})[:MOST_PANELS]
 
 
 def facts(steps: Steps) -> dict[str, int]:
@@ -179,7 +188,7 @@ def _moments(steps: Steps) -> Iterator[Moment]:
             if after >= _ENGAGED and after != before:
                 yield Moment(step, (GREETED, CALLED, FOLLOWING)[after - _ENGAGED])
         if step and rewards[step] > 0 and ("executed_action" in steps or rewards[step - 1] == 0):
-            yield Moment(step, REACHED)
+            yield Moment(step, REACHED if "goal_room" in steps else REWARDED)
 
 
 def _physical(steps: Steps, step: int, action: int) -> str:
@@ -208,7 +217,8 @@ def _human(steps: Steps, step: int) -> str:
     action = int(executed(steps)[step])
     move = int(steps["human_action"][step]) if "human_action" in steps else int(Action.STAY)
     if before >= _ENGAGED > after:
-        return f"the human loses attention{_why(steps, step)} and {_sight(before, after)}"
+        sees = "and no longer sees it" if after == InteractionLevel.NOT_SEEN else f"but still {_HUMAN_DOES[after]}"
+        return f"the human loses attention{_why(steps, step)} {sees}"
     if action == Action.HELLO and after == _ENGAGED and before != after:
         sees = ("sees it", "faces it", "was distracted")[_HUMAN_PART[min(before, _ENGAGED)] - 1]
         return f"the human {sees} and now {_HUMAN_DOES[after]}"

@@ -92,9 +92,8 @@ def _wanted(run: Path, selection: Selection) -> list[Cell]:
 def _done(run: Path, cells: Sequence[Cell]) -> list[Cell]:
     done = [cell for cell in cells if read_cell(run / cell.path) is not None]
     if not done:
-        raise NotFoundError(
-            f"{run}: {_named([cell.path for cell in cells])} not run yet; visitlab run {run}/config.yaml"
-        )
+        missing = _named([cell.path for cell in cells])
+        raise NotFoundError(f"{run}: not run yet: {missing}; finish with visitlab run {run}/config.yaml")
     return done
 
 
@@ -134,7 +133,7 @@ def _longest_engaged(path: Path) -> int:
     steps = read_steps(path)
     if "desired_direction" not in steps:
         raise UsageError(f"--trial {LONGEST_ENGAGEMENT}: nobody is engaged in this task")
-    engaged = np.asarray(steps["interaction_level"]) >= InteractionLevel.GREETED
+    engaged = steps["interaction_level"].astype(np.int64) >= InteractionLevel.GREETED
     changes = engaged[1:] != engaged[:-1]
     starts = np.concatenate([[0], np.flatnonzero(changes | (steps["trial"][1:] != steps["trial"][:-1])) + 1])
     lengths = np.diff(np.concatenate([starts, [len(engaged)]])) * engaged[starts]

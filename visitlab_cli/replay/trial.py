@@ -7,8 +7,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import yaml
+from mcap.exceptions import McapError
 from mcap.reader import make_reader
 
+from visitlab_cli.errors import RunError
 from visitlab_cli.recording.reader import read_metadata, read_trial
 from visitlab_cli.recording.schema import CONFIG_NAME
 from visitlab_cli.story import Steps
@@ -101,8 +103,11 @@ def load_trial(path: Path, number: int) -> Trial:
 
 def _config(path: Path) -> dict[str, Any]:
     """The config that the log carries; empty where another program wrote the log."""
-    with path.open("rb") as file:
-        for attachment in make_reader(file).iter_attachments():
-            if attachment.name == CONFIG_NAME:
-                return dict(yaml.safe_load(attachment.data))
+    try:
+        with path.open("rb") as file:
+            for attachment in make_reader(file).iter_attachments():
+                if attachment.name == CONFIG_NAME:
+                    return dict(yaml.safe_load(attachment.data))
+    except (McapError, yaml.YAMLError, OSError, ValueError, TypeError) as error:
+        raise RunError(f"{path}: its {CONFIG_NAME} is damaged: {str(error).splitlines()[0]}") from error
     return {}

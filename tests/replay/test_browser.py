@@ -1,0 +1,47 @@
+"""`--web` in a real browser: served on this machine only, and showing what the log says."""
+
+import re
+import signal
+from pathlib import Path
+
+import pytest
+
+from tests.program import start
+from tests.replay.browser import BROWSER, picture_of
+from tests.replay.pixels import assert_shows, goal_is_in_sight, shows_a_goal_room
+from visitlab_cli.replay.trial import load_trial
+
+LISTENS, LOOPBACK = "0A", "0100007F"
+WITHIN = 120.0
+
+
+@pytest.fixture
+def serving(tiny_run):
+    """A trial that begins with the goal in sight, and the program that serves it, with its address."""
+    every = [load_trial(log, number) for log in sorted(tiny_run.glob("visit*/*/*/steps.mcap")) for number in range(4)]
+    trial = next(trial for trial in every if goal_is_in_sight(trial, 0))
+    server = start("replay", trial.path, "--trial", trial.number, "--web")
+    yield trial, server, server.stdout.readline().strip()
+    server.send_signal(signal.SIGTERM)
+    assert server.wait(20) == 130
+
+
+def test_it_listens_on_this_machine_only(serving):
+    _, _, address = serving
+    ports = {int(port) for port in re.findall(r"127\.0\.0\.1:(\d+)", address)}
+    assert len(ports) == 2, address
+    tables = [Path("/proc/net/tcp"), Path("/proc/net/tcp6")]
+    if not tables[0].exists():
+        pytest.skip("no /proc/net/tcp to see who listens")
+    rows = [line.split() for table in tables if table.exists() for line in table.read_text().splitlines()[1:]]
+    places = [row[1].split(":") for row in rows if row[3] == LISTENS]
+    assert {place for place, port in places if int(port, 16) in ports} == {LOOPBACK}
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(BROWSER is None, reason="no chromium; on Debian install chromium")
+def test_the_browser_shows_the_trial(serving, tmp_path):
+    trial, _, address = serving
+    target = tmp_path / "web.png"
+    picture_of(f"{address}&renderer=webgl", target, tmp_path / "profile", shows_a_goal_room, WITHIN)
+    assert_shows(target, trial.steps, 0)

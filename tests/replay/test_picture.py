@@ -1,0 +1,46 @@
+"""The viewer's picture, taken without a screen, shows what the log says."""
+
+import os
+
+import numpy as np
+import pytest
+
+from tests.replay.pixels import assert_shows, goal_is_in_sight
+from visitlab_cli.errors import RunError, UsageError
+from visitlab_cli.replay import picture
+
+needs_driver = pytest.mark.skipif(
+    picture.software_driver() is None and picture.DRIVER_VARIABLE not in os.environ,
+    reason="no software Vulkan; on Debian install mesa-vulkan-drivers",
+)
+
+
+@needs_driver
+def test_the_picture_shows_the_step(trial_of, tmp_path):
+    trial = trial_of("visit", 0)
+    step = next(step for step in range(5, trial.length) if goal_is_in_sight(trial, step))
+    target = tmp_path / "picture.png"
+    picture.save_picture(trial, step, target)
+    assert_shows(target, trial.steps, step)
+    moved = {**trial.steps, "robot_row": (trial.steps["robot_row"] + 4) % 24}
+    with pytest.raises(AssertionError, match="the robot is not in its cell"):
+        assert_shows(target, moved, step)
+    elsewhere = {**trial.steps, "goal_room": (trial.steps["goal_room"] + 1) % 9}
+    with pytest.raises(AssertionError):
+        assert_shows(target, elsewhere, step)
+    assert [file.name for file in tmp_path.iterdir()] == ["picture.png"]
+
+
+def test_without_a_driver(trial_of, tmp_path, monkeypatch):
+    monkeypatch.setattr(picture, "DRIVER_FOLDERS", (tmp_path,))
+    monkeypatch.delenv(picture.DRIVER_VARIABLE, raising=False)
+    with pytest.raises(RunError) as error:
+        picture.save_picture(trial_of("visit"), 1, tmp_path / "picture.png")
+    assert str(error.value) == "a picture needs a Vulkan driver; on Debian install mesa-vulkan-drivers"
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_step_that_is_not_there(trial_of, tmp_path):
+    with pytest.raises(UsageError) as error:
+        picture.save_picture(trial_of("visit"), np.int64(101), tmp_path / "picture.png")
+    assert str(error.value) == "--step 101: the trial has steps 0 to 100"

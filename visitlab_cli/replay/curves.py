@@ -1,0 +1,100 @@
+"""What is told beside the scene: captions, moments, states over time, reward and distance as curves."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import rerun as rr
+
+from visitlab_cli.replay.stage import Stage
+from visitlab_cli.story import (
+    ACTION_COLOURS,
+    ACTION_KINDS,
+    DISTANCE_NAMES,
+    GOAL,
+    HUMAN,
+    LEVEL_COLOURS,
+    LEVEL_NAMES,
+    Colour,
+    action_kind,
+    captions,
+    direction_name,
+    moments,
+    room_name,
+)
+from visitlab_cli.world.columns import VISIT
+
+GOAL_LANE, LEVEL, ACTION = LANES = "goal", "interaction_level", "robot_action"
+"""Entities, which the viewer shows in alphabetical order."""
+GREY: Colour = (140, 140, 145)
+ROOM_COLOURS: tuple[Colour, ...] = ((170, 140, 70), (120, 100, 60))
+"""Rooms in turn; their names tell them apart."""
+
+
+def draw_words(stage: Stage) -> None:
+    """The caption of each step as a document, all captions and the moments as logs."""
+    told = captions(stage.trial.steps)
+    stage.columns("captions", rr.TextLog.columns(text=told))
+    pages = [_page(stage, step, text) for step, text in enumerate(told)]
+    stage.columns("now", rr.TextDocument.columns(text=pages, media_type=["text/markdown"] * len(pages)))
+    for moment in moments(stage.trial.steps):
+        stage.recording.set_time("step", sequence=moment.step)
+        stage.recording.log("moments", rr.TextLog(f"{moment.kind}: {told[moment.step]}"))
+    stage.recording.reset_time()
+
+
+def draw_states(stage: Stage) -> None:
+    """Lanes over time: the interaction level, the kind of action, the goal room."""
+    steps = stage.trial.steps
+    if stage.trial.has_human:
+        _lane(stage, LEVEL, LEVEL_NAMES, LEVEL_COLOURS, [LEVEL_NAMES[level] for level in steps["interaction_level"]])
+    actions = ["" if step == 0 else action_kind(int(action)) for step, action in enumerate(steps["action"])]
+    _lane(stage, ACTION, ("", *ACTION_KINDS), ((60, 60, 60), *ACTION_COLOURS), actions)
+    if stage.trial.has_goal:
+        names = [room_name(room) for room in range(9)]
+        colours = [ROOM_COLOURS[room % 2] for room in range(9)]
+        _lane(stage, GOAL_LANE, names, colours, [names[room] for room in steps["goal_room"]])
+
+
+def draw_curves(stage: Stage) -> None:
+    """The reward so far, and the distance in cells with the bounds between which the two can interact."""
+    steps = stage.trial.steps
+    _curve(stage, "reward", np.cumsum(steps["reward"]), "goals" if stage.trial.task == VISIT else "reward", GOAL, 2.5)
+    if not stage.trial.has_human:
+        return
+    apart = [abs(steps[f"robot_{axis}"].astype(int) - steps[f"human_{axis}"].astype(int)) for axis in ("row", "col")]
+    _curve(stage, "distance/cells", np.maximum(*apart), "cells", HUMAN, 2.5)
+    too_close, *_, too_far = stage.trial.distances
+    for name, bound in (("too close", too_close), ("too far", too_far)):
+        _curve(stage, f"distance/{name.replace(' ', '_')}", np.full(stage.trial.length, bound), name, GREY, 1.0)
+
+
+def _page(stage: Stage, step: int, caption: str) -> str:
+    """The caption in large letters, and the state it leads to."""
+    steps = stage.trial.steps
+    does, *outcome = caption.split("; ")
+    lines = [f"## Step {step}: {does}", *(f"### {part}" for part in outcome), ""]
+    facts = []
+    if stage.trial.has_human:
+        level = int(steps["interaction_level"][step])
+        facts.append(f"Level **{level} {LEVEL_NAMES[level]}**")
+        facts.append(f"distance **{DISTANCE_NAMES[int(steps['distance'][step])]}**")
+    if stage.trial.has_engagement:
+        facts.append(f"desired direction **{direction_name(int(steps['desired_direction'][step]))}**")
+    if stage.trial.has_goal:
+        facts.append(f"goal **{room_name(int(steps['goal_room'][step]))}**")
+    if steps["explored"][step]:
+        facts.append("*drawn at random, to explore*")
+    return "\n\n".join([*lines, ", ".join(facts)])
+
+
+def _lane(stage: Stage, entity: str, names: Sequence[str], colours: Sequence[Colour], states: Sequence[str]) -> None:
+    packed = np.array([(red << 24) | (green << 16) | (blue << 8) | 255 for red, green, blue in colours], np.uint32)
+    stage.fixed(entity, rr.StateConfiguration(values=list(names), labels=list(names), colors=packed))
+    stage.columns(entity, rr.StateChange.columns(state=states))
+
+
+def _curve(stage: Stage, entity: str, values: npt.NDArray[Any], name: str, colour: Colour, width: float) -> None:
+    stage.fixed(entity, rr.SeriesLines(colors=colour, names=name, widths=width, interpolation_mode="StepAfter"))
+    stage.columns(entity, rr.Scalars.columns(scalars=values))

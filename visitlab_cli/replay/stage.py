@@ -1,0 +1,61 @@
+"""Where a scene is built: a Rerun recording, the trial's timeline, and what is drawn on it as whole columns."""
+
+from collections.abc import Iterable, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+import rerun as rr
+
+from visitlab_cli.replay.trial import Trial, Vectors
+from visitlab_cli.story import Colour
+
+TIMELINE = "step"
+
+
+class Line(NamedTuple):
+    """A line strip: `points` of shape (points, 2), half its thickness in cells, its colour."""
+
+    points: Vectors
+    radius: float
+    colour: Colour
+
+
+class Stage:
+    """A recording of one trial; everything is sent as columns over the timeline `step`, nothing step by step."""
+
+    def __init__(self, trial: Trial, recording: rr.RecordingStream) -> None:
+        """Nothing is drawn yet."""
+        self.trial = trial
+        self.recording = recording
+        self._times = [rr.TimeColumn(TIMELINE, sequence=trial.steps["step"].astype(np.int64))]
+
+    def fixed(self, entity: str, *archetypes: Any) -> None:
+        """What holds for the whole trial."""
+        for archetype in archetypes:
+            self.recording.log(entity, archetype, static=True)
+
+    def columns(self, entity: str, columns: Any) -> None:
+        """Columns with one row a step, step 0 first."""
+        self.recording.send_columns(entity, self._times, columns)
+
+    def lines(self, entity: str, steps: Iterable[Sequence[Line]], draw_order: float) -> None:
+        """The lines that are seen at each step, maybe none."""
+        every = [list(lines) for lines in steps]
+        flat = [line for lines in every for line in lines]
+        if not flat:
+            return
+        columns = rr.LineStrips2D.columns(
+            strips=[line.points for line in flat],
+            radii=[line.radius for line in flat],
+            colors=[line.colour for line in flat],
+        )
+        self.columns(entity, columns.partition([len(lines) for lines in every]))
+        self.fixed(entity, rr.LineStrips2D.from_fields(draw_order=draw_order))
+
+    def cells(self, entity: str, classes: Any, draw_order: float, opacity: float = 1.0) -> None:
+        """Classes of cells of the annotation context, shape (steps + 1, rows, cols), as coloured squares."""
+        count, rows, cols = classes.shape
+        form = rr.components.ImageFormat(width=cols, height=rows, color_model="L", channel_datatype="U8")
+        flat = classes.astype(np.uint8).reshape(count, -1)
+        self.columns(entity, rr.SegmentationImage.columns(buffer=list(flat), format=[form] * count))
+        self.fixed(entity, rr.SegmentationImage.from_fields(opacity=opacity, draw_order=draw_order))

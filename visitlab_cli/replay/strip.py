@@ -1,0 +1,83 @@
+"""A trial as a comic strip, after the paper's Fig. 9: its moments as panels, drawn to be printed in a paper."""
+
+from collections.abc import Sequence
+from io import BytesIO
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from visitlab_cli.errors import RunError, UsageError
+from visitlab_cli.replay import panel
+from visitlab_cli.replay.blueprint import view_of
+from visitlab_cli.replay.recording import write_whole
+from visitlab_cli.replay.trial import Trial
+from visitlab_cli.story import LEVEL_NAMES, action_name, direction_name, moments, strip_steps
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+COLUMNS = 4
+PANEL, TITLE, GAP = 1.72, 0.3, 0.06
+"""In inches: the side of a panel, the height of its title, what lies between; four fill a page of two columns."""
+FONT_SIZE = 6.5
+PIXELS_PER_INCH = 300
+FORMATS: dict[str, dict[str, Any]] = {".png": {}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
+"""With what each format needs to give the same bytes for the same trial."""
+
+
+def save_strip(trial: Trial, target: Path) -> None:
+    """Write the strip as .png, .svg or .pdf.
+
+    Raises:
+        UsageError: another ending.
+        RunError: matplotlib is missing, or the target cannot be written.
+    """
+    ending = target.suffix.lower()
+    if ending not in FORMATS:
+        raise UsageError(f"--strip {target}: must end in {', '.join(FORMATS)}")
+    try:
+        import matplotlib
+    except ModuleNotFoundError as error:
+        raise RunError("a strip needs matplotlib; install it with pip install matplotlib") from error
+    content = BytesIO()
+    style: Any = {"svg.hashsalt": "visitlab", "pdf.fonttype": 42, "font.size": FONT_SIZE, "font.family": "sans-serif"}
+    with matplotlib.rc_context(style):
+        draw_strip(trial, strip_steps(trial.steps)).savefig(
+            content, format=ending[1:], dpi=PIXELS_PER_INCH, metadata=FORMATS[ending]
+        )
+    write_whole(target, content.getvalue())
+
+
+def draw_strip(trial: Trial, steps: Sequence[int]) -> "Figure":
+    """A panel for each of `steps`, in the order of reading."""
+    from matplotlib.figure import Figure
+
+    columns = min(COLUMNS, len(steps))
+    rows = -(-len(steps) // columns)
+    width, height = columns * (PANEL + GAP) + GAP, rows * (PANEL + TITLE + GAP) + GAP
+    figure = Figure(figsize=(width, height))
+    grid = figure.subplots(rows, columns, squeeze=False)
+    figure.subplots_adjust(left=GAP / width, right=1 - GAP / width, top=1 - (TITLE + GAP) / height, bottom=GAP / height)
+    figure.subplots_adjust(wspace=GAP / PANEL, hspace=(TITLE + GAP) / PANEL)
+    x_range, y_range = view_of(trial)
+    for axes in grid.flat[len(steps) :]:
+        axes.set_axis_off()
+    for axes, step in zip(grid.flat, steps, strict=False):
+        panel.draw(axes, trial, step)
+        axes.set(xlim=x_range, ylim=y_range[::-1], aspect="equal", xticks=[], yticks=[])
+        axes.spines[:].set(linewidth=0.4, color="0.5")
+        kinds = ", ".join(kind for at, kind in moments(trial.steps) if at == step)
+        axes.text(0.97, 0.03, kinds, transform=axes.transAxes, ha="right", weight="bold", zorder=7)
+        title, below = _title(trial, step)
+        axes.set_title(f"{title}\n{below}", fontsize=FONT_SIZE, loc="left", pad=2.5, linespacing=1.15)
+    return figure
+
+
+def _title(trial: Trial, step: int) -> tuple[str, str]:
+    """Step and action; desired direction and level."""
+    words = []
+    if trial.has_engagement:
+        words.append(f"towards {direction_name(int(trial.steps['desired_direction'][step]))}")
+    if trial.has_human:
+        words.append(LEVEL_NAMES[int(trial.steps["interaction_level"][step])])
+    action = action_name(trial.steps, step).split(": ")[-1].replace(", then is blocked", "") if step else "the start"
+    return f"{step}: {action}", ", ".join(words)
