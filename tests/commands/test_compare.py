@@ -1,0 +1,61 @@
+"""`visitlab compare`, end to end, on runs whose trials are made up."""
+
+import json
+
+import pytest
+
+from tests.analysis.made_runs import make_run
+from tests.program import visitlab
+
+VISIT, NAVIGATION = "visit/human_1", "navigation/rmax"
+
+
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory):
+    out = tmp_path_factory.mktemp("runs")
+    make_run(out, {NAVIGATION: 0.0, VISIT: 2.0}, name="main")
+    make_run(out, {VISIT: 0.0}, name="variant", planner="restart")
+    return out
+
+
+def test_compare_prints_verdicts_and_the_cause(runs):
+    done = visitlab("compare", "main", "--out", runs)
+    assert done.returncode == 0, done.stderr
+    navigation, visit = done.stdout.splitlines()[1:3]
+    assert "agrees" in navigation
+    assert "differs" in visit
+    assert "visit.planner_rewards: restart (not carried)" in done.stdout
+
+
+def test_compare_as_json(runs):
+    found = json.loads(visitlab("compare", "main", "--out", runs, "--json", "--margin", "3").stdout)
+    assert found["margin"] == 3
+    assert [(curve["group"], curve["verdict"]) for curve in found["curves"]] == [
+        (NAVIGATION, "agrees"),
+        (VISIT, "agrees"),
+    ]
+    assert set(found["curves"][0]["parts"]) == {"first_tenth", "middle_tenth", "last_tenth", "whole"}
+    assert {"figure": "fig8_humans", "condition": "human_1", "group": "social_humans/mb/human_1"}.items() <= (
+        next(each for each in found["not_compared"] if each["figure"] == "fig8_humans").items()
+    )
+
+
+def test_a_variant_from_elsewhere(runs, tmp_path):
+    run = make_run(tmp_path, {VISIT: 2.0}, name="alone")
+    (variant,) = runs.glob("variant-*")
+    alone = json.loads(visitlab("compare", run, "--json").stdout)["curves"][0]
+    assert alone["cause"] == "unexplained"
+    explained = json.loads(visitlab("compare", run, "--variant", variant, "--json").stdout)["curves"][0]
+    assert explained["cause"].startswith(variant.name)
+
+
+def test_a_run_without_published_curves(tiny_run):
+    done = visitlab("compare", tiny_run)
+    assert done.returncode == 5
+    assert len(done.stderr.splitlines()) == 1
+
+
+def test_wrong_words(runs):
+    assert visitlab("compare", "nothing", "--out", runs).returncode == 5
+    assert visitlab("compare", "main", "--out", runs, "--margin", "nan").returncode == 2
+    assert visitlab("compare", "main", "--out", runs, "--variant", "nothing").returncode == 5

@@ -1,0 +1,25 @@
+"""`visitlab optimum`, end to end."""
+
+import json
+
+from tests.program import visitlab
+
+
+def test_optimum_prints_both_tasks():
+    done = visitlab("optimum")
+    assert done.returncode == 0, done.stderr
+    assert "navigation" in done.stdout
+    assert "18.0787" in done.stdout
+
+
+def test_optimum_as_json():
+    done = visitlab("optimum", "--json", "--gamma", "0.5")
+    found = json.loads(done.stdout)
+    assert found["gamma"] == 0.5
+    assert {line["task"] for line in found["values"]} == {"navigation", "go_to_human"}
+    assert all(line["random"] < line["optimal"] for line in found["values"])
+
+
+def test_a_wrong_gamma_is_wrong_usage():
+    for gamma in ("1", "nan", "x"):
+        assert visitlab("optimum", "--gamma", gamma).returncode == 2

@@ -1,0 +1,91 @@
+"""What a social module has seen follow what: the learned Fig. 4 of the paper, from its transition counts.
+
+The module's 30 actions are gathered into kinds: a move by its direction against that to the human (towards it,
+within 45 degrees; away from it, within 45 degrees of straight away; sideways), each other action by itself.
+"""
+
+from collections.abc import Mapping
+from enum import StrEnum
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from visitlab_cli.world.enums import (
+    N_DIRECTIONS,
+    N_DISTANCES,
+    N_LEVELS,
+    N_MOVES,
+    N_SOCIAL_ACTIONS,
+    Action,
+)
+
+Ints = npt.NDArray[np.int64]
+
+
+class Kind(StrEnum):
+    """A kind of action; the order is that of every array over kinds."""
+
+    TOWARDS = "towards"
+    SIDEWAYS = "sideways"
+    AWAY = "away"
+    STAY = "stay"
+    LOOK = "look"
+    HELLO = "hello"
+    COME = "come"
+    POINT = "point"
+    GO_TO_HUMAN_VISION = "go_to_human_vision"
+
+
+KINDS = tuple(Kind)
+KIND_OF_TURN = (0, 0, 1, 2, 2, 2, 1, 0)
+"""Index of a move's kind by the eighths of a circle from the direction to the human to its own."""
+
+
+class SocialStates(NamedTuple):
+    """The parts of social state numbers, arrays of the same shape (TASK.md: level + 8 (distance + 5 (...)))."""
+
+    level: Ints
+    distance: Ints
+    desired_direction: Ints
+    angle: Ints
+
+
+def parts_of(states: npt.ArrayLike) -> SocialStates:
+    """The parts of social states, the inverse of `world.social.social_state`."""
+    rest, level = np.divmod(np.asarray(states, np.int64), N_LEVELS)
+    rest, distance = np.divmod(rest, N_DISTANCES)
+    angle, desired = np.divmod(rest, N_DIRECTIONS)
+    return SocialStates(level, distance, desired, angle)
+
+
+def kind_of(actions: npt.ArrayLike, angle: npt.ArrayLike) -> Ints:
+    """The index in `KINDS` of social actions, `angle` being the direction to the human; any shape."""
+    chosen = np.asarray(actions, np.int64)
+    turn = (chosen - np.asarray(angle, np.int64)) % N_DIRECTIONS
+    others = chosen - Action.STAY + KINDS.index(Kind.STAY)
+    return np.where(chosen < N_MOVES, np.array(KIND_OF_TURN)[turn], others)
+
+
+def count_levels(states: npt.ArrayLike, actions: npt.ArrayLike, next_states: npt.ArrayLike, times: Any = None) -> Ints:
+    """How often each kind of action led from level to level, shape (kinds, levels, distances, next levels).
+
+    Args:
+        states: social states, shape (n,).
+        actions: social actions, shape (n,).
+        next_states: the states that followed, shape (n,).
+        times: how often each happened, shape (n,); once if not given.
+    """
+    before = parts_of(states)
+    shape = len(KINDS), N_LEVELS, N_DISTANCES, N_LEVELS
+    places = kind_of(actions, before.angle), before.level, before.distance, parts_of(next_states).level
+    counts = np.zeros(shape, np.int64)
+    np.add.at(counts, places, 1 if times is None else times)
+    return counts
+
+
+def learned_counts(model: Mapping[str, npt.NDArray[Any]]) -> Ints:
+    """`count_levels` of the transitions in the arrays of a social `model.npz`."""
+    pairs = np.repeat(np.arange(len(model["successor_offsets"]) - 1), np.diff(model["successor_offsets"]))
+    states, actions = np.divmod(pairs, N_SOCIAL_ACTIONS)
+    return count_levels(states, actions, model["successor_states"], model["successor_counts"])

@@ -1,0 +1,150 @@
+"""What a run's social module believes: the learned Fig. 4 beside the true one, and how visits change it."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from visitlab_cli.analysis.affordance_counts import Ints, learned_counts
+from visitlab_cli.analysis.affordance_policy import PolicyMap, policy_map
+from visitlab_cli.analysis.affordance_truth import FIRST_ENGAGED, Truth, true_transitions
+from visitlab_cli.config.experiments import SocialTraining, Visit
+from visitlab_cli.errors import NotFoundError
+from visitlab_cli.execution.cells import Cell
+from visitlab_cli.storage.arrays import Arrays, read_model
+from visitlab_cli.storage.cell_folder import MODEL, read_cell
+from visitlab_cli.world.columns import SOCIAL
+
+Table = npt.NDArray[np.float64]
+
+
+class Graph(NamedTuple):
+    """A Fig. 4: arrays over kinds of action, levels and outcomes, as `KINDS`, `InteractionLevel` and `OUTCOMES`.
+
+    `visits` has shape (9, 8). `learned`, shape (9, 8, 9), is the share of those visits after which each outcome
+    followed; nan without visits. `low` and `high`, shape (9, 8, 9), bound the true probability, averaged over the
+    distances at which these visits were; nan without visits and where the rules decide nothing.
+    """
+
+    visits: Ints
+    learned: Table
+    low: Table
+    high: Table
+
+
+class Adaptation(NamedTuple):
+    """A social module after a visit: all it knows, and what it saw in the visit alone; the truth is that human's."""
+
+    cell: Cell
+    knows: Graph
+    saw: Graph
+    policy: PolicyMap
+
+
+class Affordances(NamedTuple):
+    """A trained social module, and what it became in each visit that it took part in."""
+
+    cell: Cell
+    knows: Graph
+    policy: PolicyMap
+    adaptations: list[Adaptation]
+
+
+@dataclass(frozen=True)
+class Selection:
+    """Which social module is wanted; empty is any, that of the visits first."""
+
+    experiment: str = ""
+    agent: str = ""
+    human: str = ""
+    seed: int = 0
+
+    def matches(self, cell: Cell) -> bool:
+        """Whether a cell trains a module of this kind."""
+        named = ((self.experiment, cell.experiment), (self.agent, cell.agent), (self.human, cell.human))
+        return cell.seed == self.seed and all(wanted in ("", found) for wanted, found in named)
+
+
+ANY = Selection()
+
+
+def affordances(run: Path, cells: Sequence[Cell], selection: Selection = ANY) -> Affordances:
+    """The affordances that a social module of a run has learned.
+
+    Args:
+        run: the run's folder.
+        cells: all cells of its plan.
+        selection: which module.
+
+    Raises:
+        NotFoundError: the run has no such module that is trained and learns a model.
+        RunError: a model's file is damaged.
+    """
+    trained = _chosen(run, cells, selection)
+    model = read_model(run / trained.path / MODEL)
+    counts = learned_counts(model)
+    adaptations: dict[tuple[str, str], Adaptation] = {}
+    for visit in _visits_of(run, cells, trained):
+        if (visit.experiment, visit.human) not in adaptations:
+            now = read_model(run / visit.path / MODEL)
+            adaptations[visit.experiment, visit.human] = _adaptation(visit, counts, now)
+    return Affordances(trained, graph(counts, _truth(trained)), policy_map(model), list(adaptations.values()))
+
+
+def graph(counts: Ints, truth: Truth) -> Graph:
+    """The learned and the true Fig. 4 of counts by kind, level, distance and next level."""
+    at_distance = counts.sum(axis=3)
+    visits = at_distance.sum(axis=2)
+    followed = counts.sum(axis=2)
+    followed = np.concatenate([followed, followed[..., :FIRST_ENGAGED].sum(axis=-1, keepdims=True)], axis=-1)
+    learned = _share(followed, visits)
+    low, high = (_share(_weighted(bound, at_distance), visits) for bound in truth)
+    return Graph(visits, learned, low, high)
+
+
+def _weighted(bound: Table, at_distance: Ints) -> Table:
+    """Bounds by distance summed with the visits there, shape (9, 8, 9); a distance never visited counts nothing."""
+    weights = at_distance[..., None]
+    return np.where(weights > 0, bound * weights, 0.0).sum(axis=2)  # type: ignore[no-any-return]
+
+
+def _share(events: npt.NDArray[np.generic], visits: Ints) -> Table:
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return np.asarray(events, np.float64) / visits[..., None]
+
+
+def _truth(cell: Cell) -> Truth:
+    teleports = not isinstance(cell.settings, Visit)
+    return true_transitions(cell.config.humans[cell.human], teleports, cell.config.interaction.distances)
+
+
+def _adaptation(visit: Cell, before: Ints, model: Arrays) -> Adaptation:
+    after, truth = learned_counts(model), _truth(visit)
+    return Adaptation(visit, graph(after, truth), graph(after - before, truth), policy_map(model))
+
+
+def _chosen(run: Path, cells: Sequence[Cell], selection: Selection) -> Cell:
+    visited = {cell.modules[SOCIAL] for cell in cells if cell.modules}
+    modules = [
+        cell
+        for cell in cells
+        if isinstance(cell.settings, SocialTraining)
+        and cell.config.agents[cell.agent].plans
+        and read_cell(run / cell.path) is not None
+    ]
+    matching = [cell for cell in modules if selection.matches(cell)]
+    if not matching:
+        known = ", ".join(dict.fromkeys(cell.group for cell in modules))
+        raise NotFoundError(
+            f"{run}: no such social module that is trained and learns a model"
+            + (f"; there are {known}, seeds 0 to {max(cell.seed for cell in modules)}" if known else "")
+        )
+    return next((cell for cell in matching if cell.path in visited), matching[0])
+
+
+def _visits_of(run: Path, cells: Sequence[Cell], trained: Cell) -> list[Cell]:
+    of_it = [cell for cell in cells if cell.modules.get(SOCIAL) == trained.path]
+    return [cell for cell in of_it if read_cell(run / cell.path) is not None]

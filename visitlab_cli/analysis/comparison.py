@@ -1,0 +1,174 @@
+"""The comparison of a run with what was published: every curve in four parts, a verdict, and the cause if one is there.
+
+A cause is named only where a variant run removes it: its same curve agrees. Otherwise a difference is unexplained.
+"""
+
+from collections.abc import Sequence
+from pathlib import Path
+from statistics import fmean
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from visitlab_cli.analysis.curves import Absent, OurCurve, our_curve, our_curves
+from visitlab_cli.analysis.exact_values import Possible, possible
+from visitlab_cli.analysis.judge import MARGIN, PUBLISHED_SEEDS, Judgement, Verdict, judge, worst
+from visitlab_cli.analysis.published_curves import PublishedCurve
+from visitlab_cli.analysis.variants import Variant, changes
+from visitlab_cli.execution.cells import Cell
+
+PARTS = FIRST, MIDDLE, LAST, WHOLE = ("first_tenth", "middle_tenth", "last_tenth", "whole")
+UNEXPLAINED = "unexplained"
+RESTS_ON_ONE_MODEL = ("fig8_adaptation",)
+"""Figures whose published ten seeds all visit with one and the same trained model."""
+
+
+class Tried(NamedTuple):
+    """The same curve in a variant run: what is set differently there, and the verdict on it."""
+
+    name: str
+    changes: list[str]
+    parts: dict[str, Judgement]
+
+    @property
+    def verdict(self) -> Verdict:
+        """The worst of its parts."""
+        return worst([part.verdict for part in self.parts.values()])
+
+
+class Comparison(NamedTuple):
+    """A published curve and ours."""
+
+    published: PublishedCurve
+    ours: OurCurve
+    parts: dict[str, Judgement]
+    one_model: dict[str, Judgement]  # the parts, were the published seeds one; empty where each is a training
+    possible: Possible | None
+    tried: list[Tried]  # only where the curve does not agree
+
+    @property
+    def verdict(self) -> Verdict:
+        """The worst of its parts."""
+        return worst([part.verdict for part in self.parts.values()])
+
+    @property
+    def cause(self) -> str | None:
+        """What makes the curve differ: a variant in which all of it agrees; None where it need not be explained."""
+        agreeing = [each for each in self.tried if each.verdict == Verdict.AGREES]
+        return _cause(agreeing, self.verdict)
+
+    def cause_of(self, part: str) -> str | None:
+        """What makes a part differ: a variant in which this part agrees; None where it need not be explained."""
+        agreeing = [each for each in self.tried if each.parts[part].verdict == Verdict.AGREES]
+        return _cause(agreeing, self.parts[part].verdict)
+
+    def as_json(self) -> dict[str, Any]:
+        """Plain values."""
+        last = self.parts[LAST]
+        share = self.possible and {
+            "ours": self.possible.share(last.ours),
+            "published": self.possible.share(last.published),
+            "optimum": self.possible.optimum,
+            "random": self.possible.random,
+        }
+        return {
+            "figure": self.published.figure,
+            "condition": self.published.condition,
+            "group": self.ours.group,
+            "verdict": str(self.verdict),
+            "seeds": len(self.ours.rewards),
+            "parts": {name: part.as_json() | {"cause": self.cause_of(name)} for name, part in self.parts.items()},
+            "share_of_the_possible_last_tenth": share,
+            "if_published_is_one_model": {name: part.as_json() for name, part in self.one_model.items()} or None,
+            "cause": self.cause,
+            "variants": [
+                {
+                    "run": each.name,
+                    "verdict": str(each.verdict),
+                    "changes": each.changes,
+                    "parts": {name: part.as_json() for name, part in each.parts.items()},
+                }
+                for each in self.tried
+            ],
+        }
+
+
+class Compared(NamedTuple):
+    """All published curves: those that the run has, and why it lacks the others."""
+
+    curves: list[Comparison]
+    absent: list[tuple[PublishedCurve, Absent]]
+
+
+def compare(run: Path, cells: Sequence[Cell], variants: Sequence[Variant] = (), margin: float = MARGIN) -> Compared:
+    """Compare the finished cells of a run with every published curve.
+
+    Args:
+        run: the run's folder.
+        cells: all cells of its plan.
+        variants: runs in which causes are looked for.
+        margin: how far, in reward a trial, is still the same.
+    """
+    compared = Compared([], [])
+    for published, ours in our_curves(run, cells):
+        if isinstance(ours, Absent):
+            compared.absent.append((published, ours))
+            continue
+        parts = _parts(ours, published, margin)
+        differing = worst([part.verdict for part in parts.values()]) != Verdict.AGREES
+        tried = [each for variant in variants if (each := _try(variant, ours, published, margin))] if differing else []
+        one_model = _parts(ours, published, margin, 1) if published.figure in RESTS_ON_ONE_MODEL else {}
+        distances = ours.cell.config.interaction.distances
+        best = possible(ours.cell.settings, distances)
+        compared.curves.append(Comparison(published, ours, parts, one_model, best, tried))
+    return compared
+
+
+def _cause(agreeing: Sequence[Tried], verdict: Verdict) -> str | None:
+    """The variant with the fewest changes among those that agree, and these changes."""
+    if verdict == Verdict.AGREES:
+        return None
+    if agreeing:
+        simplest = min(agreeing, key=lambda each: len(each.changes))
+        return f"{simplest.name}: {'; '.join(simplest.changes)}"
+    return UNEXPLAINED if verdict == Verdict.DIFFERS else None
+
+
+def part_slices(batches: int) -> dict[str, slice]:
+    """The parts of a curve of so many batches: its first, middle and last tenth, and the whole."""
+    tenth = max(1, round(batches / 10))
+    middle = (batches - tenth) // 2
+    return {
+        FIRST: slice(0, tenth),
+        MIDDLE: slice(middle, middle + tenth),
+        LAST: slice(batches - tenth, batches),
+        WHOLE: slice(0, batches),
+    }
+
+
+def judge_parts(
+    ours: npt.NDArray[np.float64],
+    published: npt.NDArray[np.float64],
+    margin: float = MARGIN,
+    published_seeds: int = PUBLISHED_SEEDS,
+) -> dict[str, Judgement]:
+    """Judge curves of ours, shape (seeds, batches), against a published one, shape (batches,), part by part."""
+    return {
+        name: judge(ours[:, part].mean(axis=1).tolist(), fmean(published[part]), margin, published_seeds)
+        for name, part in part_slices(len(published)).items()
+    }
+
+
+def _parts(
+    ours: OurCurve, published: PublishedCurve, margin: float, published_seeds: int = PUBLISHED_SEEDS
+) -> dict[str, Judgement]:
+    return judge_parts(ours.rewards, published.mean, margin, published_seeds)
+
+
+def _try(variant: Variant, ours: OurCurve, published: PublishedCurve, margin: float) -> Tried | None:
+    theirs = our_curve(variant.run, variant.cells, published)
+    if isinstance(theirs, Absent):
+        return None
+    changed = changes(ours.cell, theirs.cell)
+    return Tried(variant.run.name, changed, _parts(theirs, published, margin)) if changed else None

@@ -1,0 +1,92 @@
+"""Which curve of ours belongs to which published one, and ours in the published batches."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from visitlab_cli.analysis.published_curves import PublishedCurve, published_curves
+from visitlab_cli.config.experiments import Visit
+from visitlab_cli.execution.cells import Cell
+from visitlab_cli.storage.arrays import read_trials
+from visitlab_cli.storage.cell_folder import TRIALS, read_cell
+
+COUNTERPARTS = {
+    ("fig6_navigation", "rmax"): "navigation/rmax",
+    ("fig6_navigation", "epsilon_greedy_mb"): "navigation/mb",
+    ("fig6_navigation", "epsilon_greedy_mf"): "navigation/mf",
+    ("fig6_go_to_human", "rmax"): "go_to_human/rmax",
+    ("fig6_go_to_human", "epsilon_greedy_mb"): "go_to_human/mb",
+    ("fig6_go_to_human", "epsilon_greedy_mf"): "go_to_human/mf",
+    ("fig6_social", "rmax"): "social/rmax/human_1",
+    ("fig6_social", "epsilon_greedy_mb"): "social/mb/human_1",
+    ("fig6_social", "epsilon_greedy_mf"): "social/mf/human_1",
+    ("fig6_mb_mf", "mf_bootstrapped"): "social/mf_after_mb/human_1",
+    ("fig6_mb_mf", "epsilon_greedy_mb"): "social/mb/human_1",
+    ("fig6_mb_mf", "epsilon_greedy_mf"): "social/mf/human_1",
+    ("fig8_humans", "human_1"): "social_humans/mb/human_1",
+    ("fig8_humans", "human_2"): "social_humans/mb/human_2",
+    ("fig8_humans", "human_3"): "social_humans/mb/human_3",
+    ("fig8_adaptation", "human_1"): "visit/human_1",
+    ("fig8_adaptation", "human_2"): "visit/human_2",
+    ("fig8_adaptation", "human_2_pointing"): "visit/human_2_pointing",
+}
+"""The group of cells (experiment, agent, human as `configs/paper.yaml` names them) of each figure and condition."""
+
+
+class OurCurve(NamedTuple):
+    """Reward a trial in the published batches: shape (seeds, batches).
+
+    A seed is what is independent: a training, or in a visit the trained modules; visits of the same modules are
+    averaged. `cell` is one of the curve's cells.
+    """
+
+    group: str
+    cell: Cell
+    rewards: npt.NDArray[np.float64]
+
+
+class Absent(NamedTuple):
+    """Why there is no curve of ours to compare."""
+
+    group: str
+    reason: str
+
+
+def our_curve(run: Path, cells: Sequence[Cell], published: PublishedCurve) -> OurCurve | Absent:
+    """The finished cells of a run that a published curve is compared with, in its batches.
+
+    Args:
+        run: the run's folder.
+        cells: all cells of its plan.
+        published: the curve.
+    """
+    group = COUNTERPARTS[published.figure, published.condition]
+    planned = [cell for cell in cells if cell.group == group]
+    done = [cell for cell in planned if read_cell(run / cell.path) is not None]
+    if not done:
+        return Absent(group, "not run yet" if planned else "not in the config")
+    settings = done[0].settings
+    trials = settings.trials if isinstance(settings, Visit) else settings.steps // settings.trial_steps
+    if settings.trial_steps != published.trial_steps:
+        return Absent(group, f"has trials of {settings.trial_steps} steps, not {published.trial_steps}")
+    if trials < published.trials:
+        return Absent(group, f"has {trials:,} trials, fewer than the {published.trials:,} published")
+    units: dict[str, list[npt.NDArray[np.float64]]] = {}
+    for cell in done:
+        unit = "/".join(cell.modules.values()) or cell.path
+        units.setdefault(unit, []).append(in_batches(read_trials(run / cell.path / TRIALS)["reward"], published))
+    return OurCurve(group, done[0], np.array([np.mean(curves, axis=0) for curves in units.values()]))
+
+
+def in_batches(rewards: npt.NDArray[np.float64], published: PublishedCurve) -> npt.NDArray[np.float64]:
+    """Reward of each trial, shape (trials,), as means of the published batches, shape (batches,)."""
+    covered = rewards[published.first_trial : published.trials]
+    return covered.reshape(-1, published.trials_in_batch).mean(axis=1)  # type: ignore[no-any-return]
+
+
+def our_curves(run: Path, cells: Sequence[Cell]) -> list[tuple[PublishedCurve, OurCurve | Absent]]:
+    """Each published curve with ours."""
+    return [(published, our_curve(run, cells, published)) for published in published_curves()]

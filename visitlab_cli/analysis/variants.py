@@ -1,0 +1,101 @@
+"""What decides a curve, and the runs that decide something else: where a cause is looked for.
+
+A variant of a curve is another run that has the curve under the same names, but in which some setting that decides
+it is another. No list of variants is kept: whatever lies in the same runs folder is asked.
+"""
+
+import os
+from contextlib import suppress
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from visitlab_cli.config.experiments import SocialTraining, Training, Visit
+from visitlab_cli.config.model import Config
+from visitlab_cli.config.names import Module, module
+from visitlab_cli.errors import RunError
+from visitlab_cli.execution.cells import Cell, plan
+from visitlab_cli.storage.run_folder import all_runs, read_config
+
+Flat = dict[str, Any]
+NOT_DECIDING = {"agents", "humans", "modules", "trials", "steps"}
+"""Settings that only say how many curves there are, or where they end; a module's training length does decide."""
+
+
+class Variant(NamedTuple):
+    """A run and its plan."""
+
+    run: Path
+    cells: list[Cell]
+
+
+def open_variant(run: Path) -> Variant:
+    """A run as a variant.
+
+    Raises:
+        NotFoundError: this is no run folder.
+        RunError: its config is damaged.
+    """
+    return Variant(run, plan(read_config(run)))
+
+
+def variants_beside(run: Path) -> list[Variant]:
+    """The other runs of the folder that `run` lies in; one whose config can't be read shows nothing and is left out."""
+    here = Path(os.path.abspath(run))  # the folder that it was found in, even if it is a link to another place
+    found = []
+    for other in all_runs(here.parent):
+        with suppress(RunError):
+            found += [open_variant(other)] if other.resolve() != here.resolve() else []
+    return found
+
+
+def changes(cell: Cell, other: Cell) -> list[str] | None:
+    """What decides the curve of `other` otherwise than that of `cell`, a line each; None for another curve.
+
+    The two cells have the same group; where a visit's modules have other names it is another curve.
+    """
+    ours, theirs = deciding(cell), deciding(other)
+    if any(ours.get(path) != theirs.get(path) for path in ours.keys() | theirs.keys() if path.endswith(".name")):
+        return None
+    return [
+        f"{path}: {_shown(theirs, path)} (not {_shown(ours, path)})"
+        for path in sorted(ours.keys() | theirs.keys())
+        if ours.get(path) != theirs.get(path)
+    ]
+
+
+def deciding(cell: Cell) -> Flat:
+    """Every setting that decides a curve, by a dotted path that says what it is."""
+    config, settings = cell.config, cell.settings
+    if not isinstance(settings, Visit):
+        names = Module(cell.experiment, cell.agent, cell.human)
+        return _training(config, names, NOT_DECIDING) | _flat("distances", list(config.interaction.distances))
+    found = _flat("visit", settings.model_dump(mode="json", exclude=NOT_DECIDING))
+    found |= _flat("human", config.humans[cell.human].model_dump(mode="json"))
+    found |= _flat("distances", list(config.interaction.distances))
+    for task, name in settings.modules.model_dump().items():
+        training = _training(config, module(name), NOT_DECIDING - {"steps"})
+        found |= {f"{task}.name": name} | {f"{task}.{path}": value for path, value in training.items()}
+    return found
+
+
+def _training(config: Config, names: Module, without: set[str]) -> Flat:
+    settings = config.experiments[names.experiment]
+    assert isinstance(settings, Training)
+    found = _flat("training", settings.model_dump(mode="json", exclude=without))
+    agent = config.agents[names.agent]
+    found |= _flat("agent", agent.model_dump(mode="json", exclude=set(agent.references)))
+    for role in agent.references:
+        found |= _flat(f"agent.{role}", config.agents[getattr(agent, role)].model_dump(mode="json"))
+    if isinstance(settings, SocialTraining) and names.human:
+        found |= _flat("human", config.humans[names.human].model_dump(mode="json"))
+    return found
+
+
+def _flat(path: str, value: Any) -> Flat:
+    if not isinstance(value, dict):
+        return {path: value}
+    return {where: leaf for key, inner in value.items() for where, leaf in _flat(f"{path}.{key}", inner).items()}
+
+
+def _shown(flat: Flat, path: str) -> str:
+    return str(flat.get(path, "missing"))

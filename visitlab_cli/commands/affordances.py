@@ -1,0 +1,73 @@
+"""`visitlab affordances`: what the social module believes, beside what is true."""
+
+import json
+import math
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from visitlab_cli.commands.optimum import aligned
+from visitlab_cli.commands.options import RUNS, Json, Out, Run
+
+if TYPE_CHECKING:
+    from visitlab_cli.analysis.affordances import Affordances, Graph
+    from visitlab_cli.analysis.affordances_json import Weight
+
+
+def command(
+    run: Run,
+    experiment: Annotated[str, typer.Option("--experiment", "-e", help="Of this training; else the visits'.")] = "",
+    agent: Annotated[str, typer.Option(help="Of this agent.")] = "",
+    human: Annotated[str, typer.Option(help="Trained with this human.")] = "",
+    seed: Annotated[int, typer.Option(min=0, help="Of this repetition, from 0.")] = 0,
+    out: Out = RUNS,
+    as_json: Json = False,
+) -> None:
+    """The learned Fig. 4: what the social module thinks that its actions do, beside what they do.
+
+    --json has every action and level, and where it would go around the human.
+    """
+    from visitlab_cli.analysis.affordances import Selection, affordances
+    from visitlab_cli.analysis.affordances_json import as_json as to_json
+    from visitlab_cli.execution.cells import plan
+    from visitlab_cli.storage.run_folder import find_run, read_config
+
+    folder = find_run(run, out)
+    found = affordances(folder, plan(read_config(folder)), Selection(experiment, agent, human, seed))
+    if as_json:
+        typer.echo(json.dumps({"run": str(folder), **to_json(found)}, indent=2, allow_nan=False))
+    else:
+        typer.echo(_text(found))
+
+
+def _text(found: "Affordances") -> str:
+    lines = [f"{found.cell.path}, learned with {found.cell.human}", _table({"learned": found.knows}), ""]
+    for each in found.adaptations:
+        lines += [
+            f"{each.cell.path}, after its visit to {each.cell.human}",
+            _table({"before": found.knows, "after": each.knows, "in the visit": each.saw}),
+            "",
+        ]
+    lines += [
+        "Probability of the level next (visits behind it). True: by the human's parameters, at the visits in the",
+        "column before; - where they alone do not decide it. NOT_ENGAGED: any of the levels 0 to 4.",
+    ]
+    return "\n".join(lines)
+
+
+def _table(graphs: "dict[str, Graph]") -> str:
+    from visitlab_cli.analysis.affordances_json import ARROWS, OUTCOMES, weight
+
+    rows = [["action", "level", "level next", *graphs, "true"]]
+    for arrow in ARROWS:
+        weights = [weight(graph, arrow) for graph in graphs.values()]
+        learned = [f"{each.learned:.3f} ({each.visits:,})" if each.visits else "-" for each in weights]
+        rows.append([str(arrow.kind), arrow.level.name, OUTCOMES[arrow.outcome], *learned, _true(weights[-1])])
+    return aligned(rows, words=3)
+
+
+def _true(weight: "Weight") -> str:
+    if math.isnan(weight.low):
+        return "-"
+    low, high = f"{weight.low:.3f}", f"{weight.high:.3f}"
+    return low if low == high else f"{low} to {high}"

@@ -1,0 +1,121 @@
+"""`visitlab compare`: a run against the published curves, with a verdict on each and the cause if one is there."""
+
+import json
+import math
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from visitlab_cli.commands.optimum import aligned
+from visitlab_cli.commands.options import RUNS, Json, Out, Run
+
+if TYPE_CHECKING:
+    from visitlab_cli.analysis.comparison import Compared, Comparison
+    from visitlab_cli.analysis.judge import Judgement
+
+MARKS = {"agrees": " ", "undecided": "?", "differs": "!"}
+
+
+def command(
+    run: Run,
+    variant: Annotated[
+        list[str] | None, typer.Option(help="Look for causes in this run, too; may be repeated.", metavar="RUN")
+    ] = None,
+    margin: Annotated[float, typer.Option(min=0, help="How far, in reward a trial, is still the same.")] = 0.5,
+    out: Out = RUNS,
+    as_json: Json = False,
+) -> None:
+    """Compare a run with every published curve: agrees, differs or undecided, and why.
+
+    Causes are looked for in all runs of the folder that RUN lies in, and in each --variant.
+    """
+    from visitlab_cli.analysis.comparison import compare
+    from visitlab_cli.analysis.variants import open_variant, variants_beside
+    from visitlab_cli.errors import NotFoundError, UsageError
+    from visitlab_cli.execution.cells import plan
+    from visitlab_cli.storage.run_folder import find_run, read_config
+
+    if not math.isfinite(margin):
+        raise UsageError(f"--margin {margin}: must be a number")
+    folder = find_run(run, out)
+    asked = [open_variant(find_run(word, out)) for word in variant or []]
+    known = {each.run.resolve() for each in asked}
+    beside = [each for each in variants_beside(folder) if each.run.resolve() not in known]
+    compared = compare(folder, plan(read_config(folder)), [*asked, *beside], margin)
+    if not compared.curves:
+        reason = compared.absent[0][1]
+        raise NotFoundError(f"{folder}: has no curve that was published ({reason.group}: {reason.reason}, and so on)")
+    if as_json:
+        typer.echo(
+            json.dumps(
+                {"run": str(folder), "margin": margin, "confidence": 0.95, **_json(compared)}, indent=2, allow_nan=False
+            )
+        )
+    else:
+        typer.echo(_text(compared, margin))
+
+
+def _json(compared: "Compared") -> dict[str, object]:
+    absent = [
+        {"figure": published.figure, "condition": published.condition, "group": ours.group, "reason": ours.reason}
+        for published, ours in compared.absent
+    ]
+    return {"curves": [each.as_json() for each in compared.curves], "not_compared": absent}
+
+
+def _text(compared: "Compared", margin: float) -> str:
+    first = compared.curves[0]
+    rows = [["figure", "condition", "verdict", "seeds", *map(_words, first.parts), "possible"]]
+    rows += [_row(each) for each in compared.curves]
+    lines = [
+        aligned(rows, words=3),
+        "",
+        f"Ours less the published, with 95% intervals; margin {margin:g} reward a trial. ! differs, ? undecided.",
+        "No number of seeds would decide where the published ten alone leave it open.",
+        "Possible: the last tenth's share of what the optimum has over random actions, ours (published).",
+    ]
+    if any(each.one_model for each in compared.curves):
+        lines.append(
+            "The published fig8_adaptation rests on one trained model, whose own luck no interval here counts."
+        )
+    lines += [line for each in compared.curves for line in _remarks(each)]
+    reasons: dict[str, list[str]] = {}
+    for _, ours in compared.absent:
+        reasons.setdefault(ours.reason, []).append(ours.group)
+    lines += [f"not compared: {reason}: {', '.join(dict.fromkeys(groups))}" for reason, groups in reasons.items()]
+    return "\n".join(lines)
+
+
+def _row(each: "Comparison") -> list[str]:
+    last = each.parts["last_tenth"]
+    shares = [each.possible.share(value) for value in (last.ours, last.published)] if each.possible else []
+    possible = "{:.1%} ({:.1%})".format(*shares) if shares else "-"
+    names = each.published.figure, each.published.condition, str(each.verdict), str(len(each.ours.rewards))
+    return [*names, *(_difference(part) for part in each.parts.values()), possible]
+
+
+def _difference(part: "Judgement") -> str:
+    half = "?" if math.isnan(part.low) else f"{part.high - part.difference:.2f}"
+    return f"{part.difference:+.2f} ± {half} {MARKS[part.verdict]}"
+
+
+def _remarks(each: "Comparison") -> list[str]:
+    """The cause, the seeds that would decide, and what the variants gave."""
+    name = f"{each.published.figure} {each.published.condition}"
+    lines = [f"{name}: cause: {each.cause}"] if each.cause else []
+    causes = {part: each.cause_of(part) for part, found in each.parts.items() if found.verdict == "differs"}
+    lines += [f"{name}: {_words(part)}: cause: {cause}" for part, cause in causes.items() if cause != each.cause]
+    open_parts = {_words(part): found for part, found in each.parts.items() if found.verdict == "undecided"}
+    if len(each.ours.rewards) < 2:
+        lines.append(f"{name}: one seed has no interval; more are needed")
+    elif open_parts:
+        needed = [f"{part} {found.seeds_that_decide or 'no number of'} seeds" for part, found in open_parts.items()]
+        lines.append(f"{name}: would decide: {', '.join(needed)}")
+    for tried in each.tried:
+        parts = ", ".join(f"{_words(part)} {_difference(found).strip()}" for part, found in tried.parts.items())
+        lines.append(f"{name}: with {tried.name} ({'; '.join(tried.changes)}): {tried.verdict}: {parts}")
+    return lines
+
+
+def _words(part: str) -> str:
+    return part.replace("_", " ")
