@@ -125,6 +125,13 @@ def action_kind(action: int) -> str:
     return MOVES if action < N_MOVES else _KINDS.get(Action(action), STAYS)
 
 
+def option_name(action: int) -> str:
+    """An action that might be taken, in words: 'move 2 north-east', 'hello'."""
+    if action < N_MOVES:
+        return f"move {action // N_DIRECTIONS + 1} {direction_name(action % N_DIRECTIONS)}"
+    return action_kind(action).lower()
+
+
 def executed(steps: Steps) -> npt.NDArray[Any]:
     """What the robot did at each step, shape (steps + 1,)."""
     return steps["executed_action"] if "executed_action" in steps else steps["action"]

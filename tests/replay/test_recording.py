@@ -1,5 +1,6 @@
 """The recording of a trial, checked by Rerun's own tool and read back: it says what the log says."""
 
+import shutil
 import subprocess
 
 import numpy as np
@@ -8,7 +9,9 @@ from rerun.chunk import RrdReader
 
 from visitlab_cli.replay.program import program
 from visitlab_cli.replay.recording import record
-from visitlab_cli.story import GESTURES, LEVEL_NAMES, captions, moments
+from visitlab_cli.replay.trial import load_trial
+from visitlab_cli.storage.arrays import read_model
+from visitlab_cli.story import GESTURES, LEVEL_NAMES, captions, moments, option_name
 from visitlab_cli.world.columns import TASKS, WITH_GOAL, WITH_HUMAN
 
 SCENE = {"/lab/floor", "/lab/walls", "/robot/body", "/robot/heading", "/robot/place", "/captions", "/now", "/reward"}
@@ -71,6 +74,23 @@ def test_positions_and_headings(recorded):
         arrows = np.array(columns[f"/{who}/heading", "Arrows2D:vectors"])[:, 0]
         turned = np.arctan2(-arrows[:, 1], arrows[:, 0]) / (np.pi / 4) % 8
         np.testing.assert_allclose(turned, steps[f"{who}_heading"], atol=1e-5)
+
+
+def test_the_best_actions_are_those_of_the_model_beside_the_log(recorded):
+    trial, file, columns = recorded
+    q = read_model(trial.path.with_name("model.npz"))["q"]
+    for state, (page,) in zip(trial.steps["state"], columns["/now", "TextDocument:text"], strict=True):
+        best = int(np.argmax(q[state]))
+        assert page.endswith("**")
+        assert f"learned in the end: {option_name(best)} **{q[state, best]:.2f}**, " in page
+
+
+def test_a_log_alone_has_no_best_actions(trial_of, tmp_path):
+    alone = tmp_path / "steps.mcap"
+    shutil.copy(trial_of("social").path, alone)
+    assert load_trial(alone, 1).q is None
+    alone.with_name("model.npz").write_bytes(b"damaged")
+    assert load_trial(alone, 1).q is None
 
 
 def test_words_and_curves(recorded):

@@ -60,7 +60,7 @@ def blueprint_of(trial: Trial) -> rrb.Blueprint:
     lanes = [lane for lane in LANES if there[lane]]
     names = ", ".join(lane.replace("_", " ") for lane in lanes).capitalize()
     states = rrb.StateTimelineView(origin="/", contents=lanes, name=names, time_view=axis)
-    side = rrb.Vertical(*words, rrb.Horizontal(*curves), row_shares=[2.9, 3.9, 3])
+    side = rrb.Vertical(*words, rrb.Horizontal(*curves), row_shares=[3.2, 3.9, 2.7])
     return rrb.Blueprint(
         rrb.Vertical(rrb.Horizontal(left, side, column_shares=[1, 1]), states, row_shares=[4.4, 1]),
         rrb.TimePanel(timeline=TIMELINE, fps=FRAMES_PER_SECOND, play_state="paused", state="collapsed"),

@@ -21,12 +21,15 @@ from visitlab_cli.story import (
     captions,
     direction_name,
     moments,
+    option_name,
     room_name,
 )
 from visitlab_cli.world.columns import VISIT
 
 GOAL_LANE, LEVEL, ACTION = LANES = "goal", "interaction_level", "robot_action"
 """Entities, which the viewer shows in alphabetical order."""
+BEST_SHOWN = 3
+"""Actions whose Q-values are told."""
 GREY: Colour = (140, 140, 145)
 ROOM_COLOURS: tuple[Colour, ...] = ((170, 140, 70), (120, 100, 60))
 """Rooms in turn; their names tell them apart."""
@@ -74,7 +77,7 @@ def _page(stage: Stage, step: int, caption: str) -> str:
     """The caption in large letters, and the state it leads to."""
     steps = stage.trial.steps
     does, *outcome = caption.split("; ")
-    lines = [f"## Step {step}: {does}", *(f"### {part}" for part in outcome), ""]
+    lines = [f"## Step {step}: {does}", *(f"#### {part}" for part in outcome), ""]
     facts = []
     if stage.trial.has_human:
         level = int(steps["interaction_level"][step])
@@ -86,7 +89,15 @@ def _page(stage: Stage, step: int, caption: str) -> str:
         facts.append(f"goal **{room_name(int(steps['goal_room'][step]))}**")
     if steps["explored"][step]:
         facts.append("*drawn at random, to explore*")
-    return "\n\n".join([*lines, ", ".join(facts)])
+    best = [_best_actions(stage.trial.q[int(steps["state"][step])])] if stage.trial.q is not None else []
+    return "\n\n".join([*lines, ", ".join(facts), *best])
+
+
+def _best_actions(values: npt.NDArray[np.float64]) -> str:
+    """The actions that the model thinks best in a state, with what it expects of them."""
+    order = np.argsort(-values, kind="stable")[:BEST_SHOWN]
+    told = [f"{option_name(int(action))} **{values[action]:.2f}**" for action in order]
+    return f"Best from here, by what was learned in the end: {', '.join(told)}"
 
 
 def _lane(stage: Stage, entity: str, names: Sequence[str], colours: Sequence[Colour], states: Sequence[str]) -> None:

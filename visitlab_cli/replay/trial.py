@@ -10,23 +10,28 @@ import yaml
 from mcap.exceptions import McapError
 from mcap.reader import make_reader
 
-from visitlab_cli.errors import RunError
+from visitlab_cli.errors import RunError, VisitlabError
 from visitlab_cli.recording.reader import read_metadata, read_trial
 from visitlab_cli.recording.schema import CONFIG_NAME
+from visitlab_cli.storage.arrays import read_model
+from visitlab_cli.storage.cell_folder import MODEL
 from visitlab_cli.story import Steps
 from visitlab_cli.world.columns import NAVIGATION, SOCIAL, VISIT
 from visitlab_cli.world.geometry import DISTANCES
 from visitlab_cli.world.grid import COL_STEPS, LAB_SIZE, ROW_STEPS
 from visitlab_cli.world.social import ARENA
+from visitlab_cli.world.tasks import TASK_SIZES
 
 Vectors = npt.NDArray[np.float32]
+Values = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class Trial:
     """A trial of the log `path`: `number`, `task`, its `cell` and `steps` from step 0 on.
 
-    `size` is the side of the square world in cells, `distances` the four thresholds in cells.
+    `size` is the side of the square world in cells, `distances` the four thresholds in cells, `q` what the deciding
+    module had learned in the end, shape (states, actions), where its model is at hand.
     """
 
     path: Path
@@ -36,6 +41,7 @@ class Trial:
     steps: Steps
     size: int
     distances: tuple[int, ...]
+    q: Values | None = None
 
     @property
     def length(self) -> int:
@@ -98,7 +104,16 @@ def load_trial(path: Path, number: int) -> Trial:
     experiment = config.get("experiments", {}).get(cell.split("/")[0], {})
     size = int(experiment.get("arena", ARENA)) if task == SOCIAL else LAB_SIZE
     distances = config.get("interaction", {}).get("distances", DISTANCES)
-    return Trial(path, cell, task, number, steps, size, tuple(distances))
+    return Trial(path, cell, task, number, steps, size, tuple(distances), _learned(path, task))
+
+
+def _learned(path: Path, task: str) -> Values | None:
+    """The Q of the model beside the log, if there is a sound one."""
+    try:
+        q = read_model(path.with_name(MODEL))["q"]
+    except (VisitlabError, KeyError):
+        return None
+    return q if q.shape == tuple(TASK_SIZES[task]) else None
 
 
 def _config(path: Path) -> dict[str, Any]:
