@@ -130,7 +130,7 @@ def test_validate_says_what_would_run(tmp_path):
 
 
 BAD = [
-    (["run", "nope.yaml"], 5, "nope.yaml: no such file, nor a shipped config; shipped: paper, quickstart"),
+    (["run", "nope.yaml"], 5, "nope.yaml: no such file, nor a shipped config; shipped: my-human, paper, quickstart and parts of paper/"),
     (["run", "quickstrat"], 5, "quickstrat: no such file, nor a shipped config; did you mean quickstart?"),
     (["run", TINY, "sedes=2"], 3, "override 'sedes=2': sedes: unknown; did you mean seeds?"),
     (["run", TINY, "humans.slow.p_M=2"], 3, "override 'humans.slow.p_M=2': humans.slow.p_M: must be at most 1 (got 2)"),

@@ -21,8 +21,10 @@ def shipped_folder() -> Path:
 
 
 def shipped_configs() -> dict[str, Path]:
-    """The shipped configs by name."""
-    return {path.stem: path for path in sorted(shipped_folder().glob("*.yaml"))}
+    """The shipped configs by name, such as `quickstart` or `paper/fig7`; parts of others, which have none, aside."""
+    folder = shipped_folder()
+    found = {file.relative_to(folder).with_suffix("").as_posix(): file for file in sorted(folder.rglob("*.yaml"))}
+    return {name: file for name, file in found.items() if re.search(r"^name:", file.read_text("utf-8"), re.MULTILINE)}
 
 
 def find(name: str | Path) -> Path:
@@ -39,10 +41,11 @@ def find(name: str | Path) -> Path:
         return shipped[str(name)]
     if path.is_dir():
         raise NotFoundError(f"{printable(str(name))}: a folder, not a config")
-    if not re.fullmatch(NAME_PATTERN.removesuffix("$"), str(name)):
+    if any(not re.fullmatch(NAME_PATTERN.removesuffix("$"), part) for part in str(name).split("/")):
         raise NotFoundError(f"{printable(str(name))}: no such file")
-    near = nearest_name(path.stem, shipped)
-    hint = f"; did you mean {near}?" if near else f"; shipped: {', '.join(shipped)}"
+    near = nearest_name(str(path.with_suffix("")), shipped)
+    main = [other for other in shipped if "/" not in other]
+    hint = f"; did you mean {near}?" if near else f"; shipped: {', '.join(main)} and parts of paper/"
     raise NotFoundError(f"{printable(str(name))}: no such file, nor a shipped config{hint}")
 
 

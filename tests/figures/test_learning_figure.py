@@ -1,0 +1,185 @@
+"""Fig. 6 and Fig. 8: what is drawn, read back from the axes, is what lies in the run."""
+
+import csv
+import shutil
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.figures.conftest import CONFIGS, SEEDS, UNTIL
+from visitlab_cli.analysis.exact_navigation import navigation_optimum, navigation_random
+from visitlab_cli.config.loading import load
+from visitlab_cli.execution.cells import plan
+from visitlab_cli.figures.designs import FIG_6, FIG_8
+from visitlab_cli.figures.learning import independent_units, spread
+from visitlab_cli.figures.learning_figure import draw_fig6, draw_fig8
+from visitlab_cli.figures.source import Group, open_source
+from visitlab_cli.storage.arrays import read_trials
+
+T_OF_ONE = 12.706205  # Student's t, 1 degree of freedom, 97.5%
+
+
+@pytest.fixture(scope="module")
+def drawings(paper_run):
+    source = open_source(paper_run)
+    return {"fig6": draw_fig6(source), "fig8": draw_fig8(source)}
+
+
+def rewards(run, group, cells="seed-*"):
+    files = sorted((run / group).glob(f"{cells}/trials.parquet"))
+    return np.stack([read_trials(file)["reward"] for file in files])
+
+
+def panel(drawing, title):
+    (axes,) = [axes for axes in drawing.figure.axes if axes.get_title(loc="left") == title]
+    return axes
+
+
+def line(axes, gid):
+    (found,) = [each for each in axes.lines if each.get_gid() == gid]
+    return found.get_xdata(), found.get_ydata()
+
+
+def band(axes, gid):
+    """The middle and the half width of a band, from its outline: there along the lower edge, back along the upper."""
+    (area,) = [each for each in axes.collections if each.get_gid() == gid]
+    ys = area.get_paths()[0].vertices[:, 1]
+    batches = (len(ys) - 3) // 2
+    low, high = ys[1 : batches + 1], ys[batches + 2 : -1][::-1]
+    return (low + high) / 2, abs(high - low) / 2
+
+
+PANELS = [("fig6", design) for design in FIG_6] + [("fig8", design) for design in FIG_8]
+
+
+@pytest.mark.parametrize(("figure", "design"), PANELS, ids=[design.title for _, design in PANELS])
+def test_our_curves_are_the_runs(drawings, paper_run, figure, design):
+    axes = panel(drawings[figure], design.title)
+    assert len(design.conditions) == 3
+    for group in design.groups():
+        ours = rewards(paper_run, group)
+        assert len(ours) == SEEDS
+        first = UNTIL // 20 if "mf_after_mb" in group else 0
+        shown = ours[:, first:]
+        if shown.shape[1] > 100:
+            shown = shown.reshape(SEEDS, 100, -1).mean(axis=2)
+        x, y = line(axes, group)
+        per_trial = 1 if design.experiment == "visit" else 20
+        batch = (ours.shape[1] - first) / shown.shape[1] * per_trial
+        assert x == pytest.approx(first * per_trial + (np.arange(len(x)) + 0.5) * batch)
+        assert y == pytest.approx(shown.mean(axis=0))
+        interval = T_OF_ONE * shown.std(axis=0, ddof=1) / np.sqrt(SEEDS)
+        middle, half = band(axes, f"interval/{group}")
+        assert middle == pytest.approx(y)
+        assert half == pytest.approx(interval, rel=1e-6)
+
+
+@pytest.mark.parametrize(("figure", "design"), PANELS, ids=[design.title for _, design in PANELS])
+def test_the_published_curves_are_the_published(drawings, figure, design):
+    from visitlab_cli import analysis
+
+    with open(f"{analysis.__path__[0]}/published/{design.published}.csv") as file:
+        rows = list(csv.DictReader(file))
+    assert {row["condition"] for row in rows} == {condition.published for condition in design.conditions}
+    axes = panel(drawings[figure], design.title)
+    for condition, group in zip(design.conditions, design.groups(), strict=True):
+        x, y = line(axes, f"published/{group}")
+        mine = [row for row in rows if row["condition"] == condition.published]
+        assert x.tolist() == [float(row.get("step") or row["trial"]) for row in mine]
+        assert y.tolist() == [float(row["mean"]) for row in mine]
+        middle, half = band(axes, f"published-band/{group}")
+        assert middle == pytest.approx(y)
+        assert half == pytest.approx([float(row["std"]) for row in mine])
+
+
+def test_reference_lines_are_exact_or_measured(drawings, paper_run):
+    def heights(figure, title, kind):
+        lines = panel(drawings[figure], title).lines
+        return sorted(each.get_ydata()[0] for each in lines if each.get_gid() == f"reference/{kind}")
+
+    assert heights("fig6", "Navigation", "optimum") == [navigation_optimum(20)]
+    assert heights("fig6", "Navigation", "chance") == [navigation_random(20)]
+    assert 15 < heights("fig6", "Go to human", "optimum")[0] < 20
+    script = rewards(paper_run, "social_reference/script/human_1").mean()
+    assert heights("fig6", "Social, Human 1", "script") == [script]
+    assert 5 < script < 15
+    scripts = [
+        rewards(paper_run, f"visit_script/{human}").mean() for human in ("human_1", "human_2", "human_2_pointing")
+    ]
+    assert heights("fig8", "Visit the lab, trained with Human 2", "script") == sorted(scripts)
+
+
+def test_the_bootstrapped_learner_starts_at_a_marked_step(drawings):
+    axes = panel(drawings["fig6"], "Social, Human 1, after watching")
+    assert [each.get_xdata()[0] for each in axes.lines if list(each.get_xdata()) == [UNTIL, UNTIL]] == [UNTIL]
+
+
+def test_axes_say_units_and_n(drawings):
+    navigation = panel(drawings["fig6"], "Navigation")
+    assert navigation.get_ylabel() == "reward of a trial of 20 steps\n(mean, n = 2 seeds)"
+    assert navigation.get_xlabel() == "step of training (thousands)"
+    visit = panel(drawings["fig8"], "Visit the lab, trained with Human 2")
+    assert visit.get_ylabel() == "goal rooms in a trial of 100 steps\n(mean, n = 2 seeds)"
+    assert visit.get_xlabel() == "trial"
+
+
+def test_every_band_is_named(drawings):
+    (key,) = drawings["fig6"].figure.legends
+    names = [text.get_text().replace("\n", " ") for text in key.get_texts()]
+    assert "this run: 95% interval of the mean (Student's t)" in names
+    assert "published: standard deviation between the 10 seeds of single trials, not of the mean" in names
+
+
+def test_crossed_visits_show_both_spreads(crossed_run):
+    drawing = draw_fig8(open_source(crossed_run))
+    axes = panel(drawing, "Visit the lab, trained with Human 2")
+    assert axes.get_ylabel().endswith("(mean, n = 2 models)")
+    notes = [text.get_text() for text in axes.texts if "between models" in text.get_text()]
+    lines = notes[0].splitlines()
+    assert lines[:2] == ["standard deviation in the last quarter", "between models, between visits"]
+    assert [each.split(":")[0] for each in lines[2:]] == ["Human 1", "Human 2", "Human 2 with pointing"]
+    ours = rewards(crossed_run, "visit/human_2", "model-*/seed-*").reshape(2, 2, -1)
+    _, y = line(axes, "visit/human_2")
+    assert y == pytest.approx(ours.mean(axis=(0, 1)))
+    interval = T_OF_ONE * ours.mean(axis=1).std(axis=0, ddof=1) / np.sqrt(2)
+    assert band(axes, "interval/visit/human_2")[1] == pytest.approx(interval, rel=1e-6)
+
+
+def test_spreads_are_components_of_variance(monkeypatch):
+    models, visits = 200, 30
+    cells = plan(load(CONFIGS / "paper/variants/fig8_crossed.yaml", ["seeds=1"]))
+    visit = next(cell for cell in cells if cell.modules)
+    made = [replace(visit, modules=visit.modules | {"social": str(k)}) for k in range(models) for _ in range(visits)]
+    random = np.random.default_rng(1)
+    values = np.repeat(random.normal(5, 0.6, models), visits) + random.normal(0, 0.3, models * visits)
+    monkeypatch.setattr(Group, "rewards", lambda group: values[:, None])
+    between, within = map(float, spread(Group("", CONFIGS, made, len(made))).split(", "))
+    assert between == pytest.approx(0.6, abs=0.1)
+    assert within == pytest.approx(0.3, abs=0.02)
+
+
+@pytest.mark.parametrize(
+    ("variant", "unit", "units"),
+    [("fig8_first", "visits of one model", 10), ("fig8_planner", "seeds", 10), ("fig8_crossed", "models", 6)],
+)
+def test_what_is_independent_depends_on_the_models(variant, unit, units):
+    cells = plan(load(CONFIGS / "paper" / "variants" / f"{variant}.yaml"))
+    visits = [cell for cell in cells if cell.group == "visit/human_2"]
+    found, name = independent_units(Group("visit/human_2", CONFIGS, visits, len(visits)))
+    assert (name, len(set(found))) == (unit, units)
+
+
+def test_a_part_of_the_panels_and_cells(paper_run, tmp_path):
+    run = tmp_path / "run"
+    shutil.copytree(paper_run, run)
+    shutil.rmtree(run / "go_to_human")
+    shutil.rmtree(run / "navigation" / "rmax" / "seed-0001")
+    drawing = draw_fig6(open_source(run))
+    assert drawing.notes == [
+        "without go_to_human/rmax, go_to_human/mb, go_to_human/mf: not in this run",
+        "navigation/rmax has 1 of 2 cells",
+    ]
+    titles = [axes.get_title(loc="left") for axes in drawing.figure.axes if axes.get_title(loc="left")]
+    assert titles == ["Navigation", "Social, Human 1", "Social, Human 1, after watching"]
+    assert panel(drawing, "Navigation").get_ylabel().endswith("(mean, n = 1 to 2 seeds)")

@@ -1,0 +1,43 @@
+"""`visitlab figures`: the paper's figures from a run."""
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from visitlab_cli.commands.options import RUNS, Json, Out, Run
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+def command(
+    run: Run,
+    only: Annotated[
+        list[str] | None, typer.Option(help="This figure alone: fig6, fig7, fig8 or fig9; may be repeated.")
+    ] = None,
+    kind: Annotated[str, typer.Option("--format", "-f", help="svg, png or pdf.")] = "svg",
+    out: Out = RUNS,
+    as_json: Json = False,
+) -> None:
+    """Draw the paper's figures that a run has the data for, the published curves behind ours: RUN/figures/."""
+    from visitlab_cli.figures.making import make_figures
+    from visitlab_cli.storage.run_folder import find_run
+
+    folder = find_run(run, out)
+    made = make_figures(folder, _strip, only or (), kind)
+    for name, notes in made.notes.items():
+        for note in notes:
+            typer.echo(f"{name}: {note}", err=True)
+    files = [str(file) for file in made.files]
+    typer.echo(json.dumps({"run": str(folder), "files": files, "notes": made.notes}) if as_json else "\n".join(files))
+
+
+def _strip(log: Path, number: int) -> "Figure":
+    from visitlab_cli.replay.strip import draw_strip
+    from visitlab_cli.replay.trial import load_trial
+    from visitlab_cli.story import strip_steps
+
+    trial = load_trial(log, number)
+    return draw_strip(trial, strip_steps(trial.steps))

@@ -1,0 +1,50 @@
+"""Fig. 6 and Fig. 8: panels of learning curves side by side, one key below them."""
+
+from collections.abc import Sequence
+
+from visitlab_cli.figures.designs import FIG_6, FIG_8, Design
+from visitlab_cli.figures.drawing import Drawing
+from visitlab_cli.figures.learning import panel_of
+from visitlab_cli.figures.panel import draw_key, draw_panel
+from visitlab_cli.figures.source import Source
+from visitlab_cli.figures.style import PAGE
+
+COLUMNS = 2
+PANEL_HEIGHT, KEY_HEIGHT = 2.5, 0.5  # inches
+
+
+def draw_fig6(source: Source) -> Drawing:
+    """Learning of the three modules, and after watching another agent."""
+    return _draw(source, FIG_6)
+
+
+def draw_fig8(source: Source) -> Drawing:
+    """Three humans, and adapting to another human in the visit."""
+    return _draw(source, FIG_8)
+
+
+def _draw(source: Source, designs: Sequence[Design]) -> Drawing:
+    """Those panels that the run has anything for."""
+    panels = [panel for design in designs if (panel := panel_of(source, design)) is not None]
+    missing = [name for design in designs for name in design.groups() if name not in source.groups]
+    notes = [f"without {', '.join(dict.fromkeys(missing))}: not in this run"] if missing else []
+    shortfall = source.shortfall([name for design in designs for name in design.groups()])
+    if shortfall:
+        notes.append(shortfall)
+    if not panels:
+        return Drawing(None, notes)
+    from matplotlib.figure import Figure
+    from matplotlib.layout_engine import ConstrainedLayoutEngine
+
+    columns = min(COLUMNS, len(panels))
+    rows = -(-len(panels) // columns)
+    figure = Figure(
+        figsize=(PAGE, rows * PANEL_HEIGHT + KEY_HEIGHT), layout=ConstrainedLayoutEngine(w_pad=0.06, h_pad=0.05)
+    )
+    grid = figure.subplots(rows, columns, squeeze=False)
+    for axes in grid.flat[len(panels) :]:
+        axes.set_axis_off()
+    for axes, panel in zip(grid.flat, panels, strict=False):
+        draw_panel(axes, panel)
+    draw_key(figure, panels)
+    return Drawing(figure, notes)

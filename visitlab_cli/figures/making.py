@@ -1,0 +1,63 @@
+"""All figures of a run as files in its folder."""
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+from visitlab_cli.errors import NotFoundError, UsageError
+from visitlab_cli.figures.drawing import Drawing
+from visitlab_cli.figures.fig7 import draw_fig7
+from visitlab_cli.figures.fig9 import Strip, draw_fig9
+from visitlab_cli.figures.learning_figure import draw_fig6, draw_fig8
+from visitlab_cli.figures.source import Source, open_source
+from visitlab_cli.figures.style import FORMATS, STRIP_STYLE, STYLE, save, styled
+
+FOLDER = "figures"
+DRAW: dict[str, Callable[[Source], Drawing]] = {"fig6": draw_fig6, "fig7": draw_fig7, "fig8": draw_fig8}
+FIG_9 = "fig9"
+NAMES = (*DRAW, FIG_9)
+
+
+class Made(NamedTuple):
+    """The files that were written, and by figure what the reader should know of it, also why there is none."""
+
+    files: list[Path]
+    notes: dict[str, list[str]]
+
+
+def make_figures(run: Path, strip: Strip, only: Sequence[str] = (), kind: str = "svg") -> Made:
+    """Draw the figures that the run has the data for, in `RUN/figures/`; the same bytes for the same run.
+
+    Args:
+        run: the run's folder.
+        strip: draws a trial of a log as a strip, for Fig. 9.
+        only: names of figures; none for all.
+        kind: svg, png or pdf.
+
+    Raises:
+        UsageError: no such figure or format.
+        NotFoundError: this is no run, or it holds nothing that was asked for.
+        RunError: the run is damaged, or a file cannot be written.
+    """
+    if kind not in FORMATS:
+        raise UsageError(f"--format {kind}: must be {', '.join(FORMATS)}")
+    for name in only:
+        if name not in NAMES:
+            raise UsageError(f"--only {name}: no such figure; there are {', '.join(NAMES)}")
+    source = open_source(run)
+    made = Made([], {})
+    for name in [name for name in NAMES if not only or name in only]:
+        with styled(STRIP_STYLE if name == FIG_9 else STYLE):
+            drawing = _draw(source, name, strip)
+            made.notes[name] = list(drawing.notes)
+            if drawing.figure is not None:
+                target = run / FOLDER / f"{name}.{kind}"
+                save(drawing.figure, target)
+                made.files.append(target)
+    if not made.files:
+        raise NotFoundError(f"{run}: holds nothing for {', '.join(made.notes)}; configs/paper/ has what each needs")
+    return made
+
+
+def _draw(source: Source, name: str, strip: Strip) -> Drawing:
+    return draw_fig9(source, strip) if name == FIG_9 else DRAW[name](source)

@@ -1,0 +1,81 @@
+"""How figures look: colours that colour-blind people tell apart and a printer keeps apart, sizes, files."""
+
+import os
+import uuid
+from collections.abc import Iterator
+from contextlib import contextmanager
+from io import BytesIO
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from visitlab_cli.errors import RunError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+# Okabe and Ito's colours.
+VERMILION, BLUE, GREEN, ORANGE, PURPLE = "#D55E00", "#0072B2", "#009E73", "#E69F00", "#CC79A7"
+INK, GREY = "#222222", "#666666"
+
+PAGE = 7.2  # inches: both columns of a paper
+FONT_SIZE, SMALL = 7.0, 5.8
+PIXELS_PER_INCH = 300
+FORMATS: dict[str, dict[str, Any]] = {"svg": {"Date": None}, "png": {}, "pdf": {"CreationDate": None}}
+"""With what each format needs to give the same bytes for the same picture."""
+
+SAME_BYTES: Any = {"font.family": "DejaVu Sans", "svg.hashsalt": "visitlab", "pdf.fonttype": 42}
+STRIP_STYLE: Any = SAME_BYTES | {"font.size": 6.5}
+STYLE: Any = SAME_BYTES | {
+    "font.size": FONT_SIZE,
+    "axes.titlesize": 8,
+    "axes.titleweight": "bold",
+    "axes.labelsize": FONT_SIZE,
+    "axes.edgecolor": GREY,
+    "axes.linewidth": 0.6,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.axisbelow": True,
+    "xtick.color": GREY,
+    "ytick.color": GREY,
+    "xtick.labelcolor": INK,
+    "ytick.labelcolor": INK,
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "xtick.major.size": 2.5,
+    "ytick.major.size": 2.5,
+    "legend.fontsize": 6.5,
+    "legend.frameon": False,
+    "lines.linewidth": 1.3,
+}
+
+
+@contextmanager
+def styled(style: Any) -> Iterator[None]:
+    """Draw and save in here: with `style` and nothing of the user's own matplotlib settings."""
+    import matplotlib
+
+    with matplotlib.rc_context():
+        matplotlib.rcdefaults()
+        matplotlib.rcParams.update(style)
+        yield
+
+
+def save(figure: "Figure", target: Path) -> None:
+    """Write a figure in the format of its ending; the file appears whole or not at all.
+
+    Raises:
+        RunError: it cannot be written.
+    """
+    kind = target.suffix[1:]
+    content = BytesIO()
+    figure.savefig(content, format=kind, dpi=PIXELS_PER_INCH, metadata=FORMATS[kind])
+    beside = target.with_name(f".tmp-{target.name}-{uuid.uuid4().hex[:8]}")
+    try:
+        target.parent.mkdir(exist_ok=True)
+        try:
+            beside.write_bytes(content.getvalue())
+            os.replace(beside, target)
+        finally:
+            beside.unlink(missing_ok=True)
+    except OSError as error:
+        raise RunError(f"{target}: can't be written: {error.strerror or error}") from error
