@@ -23,6 +23,7 @@ check: $(READY)
 benchmark: $(READY)
 	$(BIN)/python -m benchmarks.simulation
 	$(BIN)/python -m benchmarks.recording
+	$(BIN)/python -m benchmarks.reading
 	$(BIN)/python -m benchmarks.program
 
 $(READY): pyproject.toml constraints.txt

@@ -6,6 +6,7 @@ follows from the descriptor of the message. A varint (bool, enum, uint32) takes 
 """
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 import numpy.typing as npt
@@ -59,6 +60,7 @@ class Layout:
         return same
 
 
+@cache
 def layout_of(message: str, task: str) -> Layout:
     """The layout of the message `STEP` or `TRIAL` in the log of a `task`."""
     names = {column.name for column in TABLES[message] if task in column.tasks}

@@ -9,10 +9,12 @@ import contextlib
 import os
 import struct
 import zlib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import numpy.typing as npt
 import zstandard
 from mcap.data_stream import RecordBuilder
 from mcap.opcode import Opcode
@@ -43,7 +45,9 @@ COMPRESSION = "zstd"
 _COMPRESSION_PARAMETERS = zstandard.ZstdCompressionParameters(
     strategy=zstandard.STRATEGY_FAST, window_log=18, hash_log=16, min_match=6
 )
-_INDEX_ENTRY = np.dtype([("log_time", "<u8"), ("offset", "<u8")])
+INDEX_ENTRY = np.dtype([("log_time", "<u8"), ("offset", "<u8")])
+IndexEntries = npt.NDArray[np.void]
+"""Log time and place in its chunk of each message, of `INDEX_ENTRY`."""
 
 
 class McapFile:
@@ -54,8 +58,8 @@ class McapFile:
         self._compressor = zstandard.ZstdCompressor(compression_params=_COMPRESSION_PARAMETERS)
         self._position = 0
         self._crc = 0
-        self._channels: list[Channel] = []
-        self._schemas: list[Schema] = []
+        self._channels: dict[int, Channel] = {}
+        self._schemas: dict[int, Schema] = {}
         self._chunks: list[ChunkIndex] = []
         self._attachments: list[AttachmentIndex] = []
         self._metadata: list[MetadataIndex] = []
@@ -71,16 +75,38 @@ class McapFile:
 
     def write_attachment(self, name: str, media_type: str, content: bytes) -> None:
         """Append an attachment, at time 0."""
-        data = _record_bytes(Attachment(0, 0, name, media_type, content))
-        self._attachments.append(AttachmentIndex(self._position, len(data), 0, 0, len(content), name, media_type))
+        self.copy_attachment(Attachment(0, 0, name, media_type, content))
+
+    def copy_attachment(self, attachment: Attachment) -> None:
+        """Append an attachment as it is."""
+        data = _record_bytes(attachment)
+        self._attachments.append(
+            AttachmentIndex(
+                offset=self._position,
+                length=len(data),
+                log_time=attachment.log_time,
+                create_time=attachment.create_time,
+                data_size=len(attachment.data),
+                name=attachment.name,
+                media_type=attachment.media_type,
+            )
+        )
         self._write(data)
 
     def write_channel(self, channel: int, topic: str, message: str, schema: bytes) -> None:
         """Append the number and topic of a `channel`, and the `schema` of its protobuf `message`."""
-        self._schemas.append(Schema(channel, schema, SchemaEncoding.Protobuf, message))
-        self._channels.append(Channel(channel, topic, MessageEncoding.Protobuf, {}, channel))
-        self._message_counts[channel] = 0
-        self._write(_record_bytes(self._schemas[-1], self._channels[-1]))
+        self.define(Schema(channel, schema, SchemaEncoding.Protobuf, message))
+        self.define(Channel(channel, topic, MessageEncoding.Protobuf, {}, channel))
+
+    def define(self, definition: Schema | Channel, *, in_chunk: bool = False) -> None:
+        """Append a schema or channel, unless the next chunk holds it; the summary repeats it."""
+        if isinstance(definition, Schema):
+            self._schemas[definition.id] = definition
+        else:
+            self._channels[definition.id] = definition
+            self._message_counts.setdefault(definition.id, 0)
+        if not in_chunk:
+            self._write(_record_bytes(definition))
 
     def write_chunk(self, blocks: Sequence[Records]) -> None:
         """Append a chunk of `blocks`, each of one channel in the order of its log times, and their indexes.
@@ -88,31 +114,43 @@ class McapFile:
         An empty block is left out; there is at least one message.
         """
         blocks = [block for block in blocks if len(block)]
-        content = b"".join(block.view(np.uint8).data for block in blocks)
-        compressed = self._compressor.compress(content)
-        start = min(int(block["log_time"][0]) for block in blocks)
-        end = max(int(block["log_time"][-1]) for block in blocks)
-        chunk_start = self._position
-        self._write(_record_bytes(Chunk(COMPRESSION, compressed, end, start, zlib.crc32(content), len(content))))
-        indexes_start, offset = self._position, 0
-        index_offsets = {}
+        indexes, offset = {}, 0
         for block in blocks:
-            channel = int(block["channel"][0])
-            index_offsets[channel] = self._position
-            self._message_counts[channel] += len(block)
-            self._write(_message_index(channel, block, offset))
+            entries = np.empty(len(block), INDEX_ENTRY)
+            entries["log_time"] = block["log_time"]
+            entries["offset"] = offset + block.itemsize * np.arange(len(block))
+            indexes[int(block["channel"][0])] = entries
             offset += block.nbytes
+        self.write_content(b"".join(block.view(np.uint8).data for block in blocks), indexes)
+
+    def write_content(self, content: bytes, indexes: Mapping[int, IndexEntries]) -> None:
+        """Append a chunk of `content`, the records of messages, and the `indexes` of these by their channel."""
+        compressed = self._compressor.compress(content)
+        self.copy_chunk(Chunk(COMPRESSION, compressed, 0, 0, zlib.crc32(content), len(content)), indexes)
+
+    def copy_chunk(self, chunk: Chunk, indexes: Mapping[int, IndexEntries]) -> None:
+        """Append a chunk as it is, but for the times of its messages, which `indexes` tell, and these."""
+        start = min((int(entries["log_time"].min()) for entries in indexes.values()), default=0)
+        end = max((int(entries["log_time"].max()) for entries in indexes.values()), default=0)
+        chunk_start = self._position
+        self._write(_record_bytes(replace(chunk, message_start_time=start, message_end_time=end)))
+        indexes_start = self._position
+        index_offsets = {}
+        for channel, entries in indexes.items():
+            index_offsets[channel] = self._position
+            self._message_counts[channel] = self._message_counts.get(channel, 0) + len(entries)
+            self._write(_message_index(channel, entries))
         self._chunks.append(
             ChunkIndex(
                 chunk_length=indexes_start - chunk_start,
                 chunk_start_offset=chunk_start,
-                compression=COMPRESSION,
-                compressed_size=len(compressed),
+                compression=chunk.compression,
+                compressed_size=len(chunk.data),
                 message_end_time=end,
                 message_index_length=self._position - indexes_start,
                 message_index_offsets=index_offsets,
                 message_start_time=start,
-                uncompressed_size=len(content),
+                uncompressed_size=chunk.uncompressed_size,
             )
         )
         self.flush()
@@ -148,8 +186,8 @@ class McapFile:
 
     def _summary(self) -> dict[Opcode, Sequence[McapRecord]]:
         groups: dict[Opcode, Sequence[McapRecord]] = {
-            Opcode.SCHEMA: self._schemas,
-            Opcode.CHANNEL: self._channels,
+            Opcode.SCHEMA: list(self._schemas.values()),
+            Opcode.CHANNEL: list(self._channels.values()),
             Opcode.STATISTICS: [self._statistics()],
             Opcode.CHUNK_INDEX: self._chunks,
             Opcode.ATTACHMENT_INDEX: self._attachments,
@@ -184,10 +222,7 @@ def _record_bytes(*records: McapRecord) -> bytes:
     return data
 
 
-def _message_index(channel: int, block: Records, offset: int) -> bytes:
-    """The MessageIndex record of a `block` that begins at `offset` in its chunk."""
-    entries = np.empty(len(block), _INDEX_ENTRY)
-    entries["log_time"] = block["log_time"]
-    entries["offset"] = offset + block.itemsize * np.arange(len(block))
+def _message_index(channel: int, entries: IndexEntries) -> bytes:
+    """The MessageIndex record of a channel's messages in a chunk."""
     head = struct.pack("<HI", channel, entries.nbytes)
     return struct.pack("<BQ", Opcode.MESSAGE_INDEX, len(head) + entries.nbytes) + head + entries.tobytes()

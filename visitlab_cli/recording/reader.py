@@ -1,160 +1,174 @@
-"""Reading a log back as columns: whole chunks as arrays, the chunk's CRC and the constant bytes checked."""
+"""Reading a log back: one trial in milliseconds, the whole as columns, or block by block in bounded memory.
 
-import contextlib
-import struct
-from collections.abc import Iterable, Iterator
+Everything that reads a log notices a broken one and says so in one line, which names `visitlab recover`:
+where the whole is read every byte is checked, where a trial is, the chunks that are looked at and the file's frame.
+"""
+
+from bisect import bisect_left
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import BinaryIO
 
 import numpy as np
 import numpy.typing as npt
-import zstandard
-from mcap.data_stream import ReadDataStream
-from mcap.exceptions import McapError
-from mcap.reader import make_reader
-from mcap.records import Chunk, ChunkIndex, Metadata
-from mcap.stream_reader import StreamReader, get_chunk_data_stream
 
-from visitlab_cli.errors import NotFoundError, RunError
-from visitlab_cli.recording.layout import Layout, Records, layout_of
-from visitlab_cli.recording.schema import METADATA_NAME, ONE_TRIAL_IN, STEP, STEP_NS, TRIAL
+from visitlab_cli.config.problems import or_else
+from visitlab_cli.errors import NotFoundError, RunError, UsageError
+from visitlab_cli.recording.layout import Layout, Records
+from visitlab_cli.recording.log import Log, open_log
+from visitlab_cli.recording.schema import ONE_TRIAL_IN
 
 Columns = dict[str, npt.NDArray[np.generic]]
 
-_RECORD_PREFIX = 9  # opcode and length
+_LOG_TIME = "log_time"
+_TRIAL_PARTS = ("trial", "step", "reward", _LOG_TIME)
 
 
 def read_metadata(path: Path) -> dict[str, str]:
-    """The cell's attributes, also of a log without an end.
+    """The cell's attributes; of a log of another writer at least `task`, `cell` (maybe empty) and `one_trial_in`.
 
     Raises:
         NotFoundError: there is no such file.
         RunError: it is not a log of visitlab, or damaged.
     """
-    with _opened(path) as file:
-        return _metadata(file)
+    with open_log(path) as log:
+        return log.attributes
 
 
-def read_steps(path: Path) -> Columns:
-    """All recorded steps: for each column of the task an array of shape (steps,).
+def read_steps(path: Path, columns: Sequence[str] | None = None) -> Columns:
+    """All recorded steps: for each of the `columns`, else of the task's, an array of shape (steps,).
 
     Raises:
         NotFoundError: there is no such file.
+        UsageError: the task has no such column.
         RunError: it is not a log of visitlab, or damaged.
     """
-    with _opened(path) as file:
-        layout, _ = layouts = _layouts(file)
-        return _gather(layout, (steps for steps, _ in _blocks(file, layouts, _chunk_indexes(file))))
+    with open_log(path) as log:
+        names = _names(path, log, columns)
+        return _gather(names, log.step_layout, (block.steps for block in log.blocks()))
+
+
+def iter_steps(path: Path, columns: Sequence[str] | None = None) -> Iterator[Columns]:
+    """What `read_steps` gives, in blocks of a chunk each: memory does not grow with the log.
+
+    Raises:
+        NotFoundError: there is no such file.
+        UsageError: the task has no such column.
+        RunError: it is not a log of visitlab, or damaged.
+    """
+    with open_log(path) as log:
+        names = _names(path, log, columns)
+        for block in log.blocks():
+            yield {name: block.steps[name].copy() for name in names}
 
 
 def trials(path: Path) -> Columns:
     """The `/trial` messages: for each of their fields an array of shape (trials,), `goals` in a visit only.
 
+    Where another writer left them out they are made from the steps.
+
     Raises:
         NotFoundError: there is no such file.
         RunError: it is not a log of visitlab, or damaged.
     """
-    with _opened(path) as file:
-        _, layout = layouts = _layouts(file)
-        return _gather(layout, (trials for _, trials in _blocks(file, layouts, _chunk_indexes(file))))
+    with open_log(path) as log:
+        layout = log.trial_layout
+        found = _gather(layout.fields, layout, (block.trials for block in log.blocks()))
+        if log.has_trials:
+            return found
+        steps = _gather(_TRIAL_PARTS, log.step_layout, (block.steps for block in log.blocks()))
+        return _gather(layout.fields, layout, [_trials_of(steps, layout)])
 
 
-def read_trial(path: Path, trial: int) -> Columns:
+def read_trial(path: Path, trial: int, columns: Sequence[str] | None = None) -> Columns:
     """The steps of one trial, from its step 0 on: for each column an array of shape (steps + 1,).
+
+    In a log that this package wrote the trial is found by bisection: a few chunks are read, whatever its length.
 
     Raises:
         NotFoundError: there is no such file, or the trial is not recorded.
-        RunError: it is not a log of visitlab, or damaged.
+        UsageError: the task has no such column.
+        RunError: it is not a log of visitlab, or damaged, or lacks a part of the trial.
     """
-    table = trials(path)
-    found = np.flatnonzero(table["trial"] == trial)
-    if not len(found):
-        raise NotFoundError(f"{path}: trial {trial} is not recorded; {_recorded(path, table)}")
-    start = int(table["first_step_time"][found[0]])
-    end = start + int(table["steps"][found[0]]) * STEP_NS
-    with _opened(path) as file:
-        layout, _ = layouts = _layouts(file)
-        indexes = [
-            index
-            for index in _chunk_indexes(file)
-            if index.message_start_time <= end and index.message_end_time >= start
-        ]
-        blocks = (steps for steps, _ in _blocks(file, layouts, indexes))
-        return _gather(layout, (steps[(start <= steps["log_time"]) & (steps["log_time"] <= end)] for steps in blocks))
+    with open_log(path) as log:
+        names = _names(path, log, columns)
+        rows, ended = _rows_of(log, trial)
+        if not len(rows):
+            raise NotFoundError(f"{path}: trial {trial} is not recorded; {_recorded(log)}")
+        if not ended or (rows["step"] != np.arange(len(rows))).any():
+            raise RunError(f"{path}: of trial {trial} only {len(rows)} rows are left, the log lost the others")
+        return {name: rows[name].copy() for name in names}
 
 
-def _recorded(path: Path, table: Columns) -> str:
+def _rows_of(log: Log, trial: int) -> tuple[Records, bool]:
+    """The rows of a trial, and whether the log says that its last row is among them (true where it cannot say)."""
+    parts: list[Records] = [np.empty(0, log.step_layout.dtype)]
+    ended = False
+    for chunk in range(_first_chunk(log, trial), len(log.chunks)):
+        block = log.block(chunk)
+        parts.append(block.steps[block.steps["trial"] == trial])
+        ended = ended or bool((block.trials["trial"] == trial).any())
+        if log.is_ours and (ended or (len(block.steps) and block.steps["trial"][-1] > trial)):
+            break
+    return np.concatenate(parts), ended or not log.has_trials
+
+
+def _first_chunk(log: Log, trial: int) -> int:
+    """The first chunk that may hold steps of a trial; trials of another writer may have any order."""
+    return bisect_left(range(len(log.chunks)), trial, key=lambda chunk: _last_trial(log, chunk)) if log.is_ours else 0
+
+
+def _last_trial(log: Log, chunk: int) -> int:
+    """The number of the trial that a chunk ends in; of a chunk without any step or trial -1."""
+    block = log.block(chunk)
+    rows = block.steps if len(block.steps) else block.trials
+    return int(rows["trial"][-1]) if len(rows) else -1
+
+
+def _recorded(log: Log) -> str:
     """Which trials the log holds, in words."""
-    numbers = table["trial"]
-    if not len(numbers):
+    ends = sorted({0, len(log.chunks) - 1} & set(range(len(log.chunks)))) if log.is_ours else range(len(log.chunks))
+    numbers = [log.block(chunk).steps["trial"] for chunk in ends]
+    numbers = [part for part in numbers if len(part)]
+    if not numbers:
         return "the log holds none"
-    thinned = read_metadata(path)[ONE_TRIAL_IN]
-    return f"the log holds {numbers[0]} to {numbers[-1]}" + (f", one in {thinned}" if thinned != "1" else "")
+    first, last = min(part.min() for part in numbers), max(part.max() for part in numbers)
+    thinned = log.attributes.get(ONE_TRIAL_IN, "1")
+    return f"the log holds {first} to {last}" + (f", one in {thinned}" if thinned != "1" else "")
 
 
-@contextlib.contextmanager
-def _opened(path: Path) -> Iterator[BinaryIO]:
-    """The file, with whatever is wrong with it shown as one line."""
-    try:
-        with path.open("rb") as file:
-            yield file
-    except FileNotFoundError as error:
-        raise NotFoundError(f"{path}: no such file") from error
-    except OSError as error:
-        raise RunError(f"{path}: cannot read the log: {error.strerror}") from error
-    except (McapError, ValueError, struct.error, zstandard.ZstdError) as error:
-        raise RunError(f"{path}: not a whole MCAP file: {error or type(error).__name__}") from error
+def _names(path: Path, log: Log, columns: Sequence[str] | None) -> tuple[str, ...]:
+    """The names of the columns that are asked for, each known."""
+    known = log.step_layout.fields
+    for name in columns or ():
+        if name not in known:
+            raise UsageError(f"{path}: its steps have no column {name}{or_else(name, known)}")
+    return known if columns is None else tuple(columns)
 
 
-def _metadata(file: BinaryIO) -> dict[str, str]:
-    file.seek(0)
-    for record in StreamReader(file, emit_chunks=True).records:
-        if isinstance(record, Metadata) and record.name == METADATA_NAME:
-            return record.metadata
-    raise RunError(f"{file.name}: not a log of visitlab")
-
-
-def _layouts(file: BinaryIO) -> tuple[Layout, Layout]:
-    """The layouts of the steps and the trials of the log's task."""
-    task = _metadata(file)["task"]
-    return layout_of(STEP, task), layout_of(TRIAL, task)
-
-
-def _chunk_indexes(file: BinaryIO) -> list[ChunkIndex]:
-    file.seek(0)
-    summary = make_reader(file).get_summary()
-    return summary.chunk_indexes if summary else []
-
-
-def _blocks(
-    file: BinaryIO, layouts: tuple[Layout, Layout], indexes: list[ChunkIndex]
-) -> Iterator[tuple[Records, Records]]:
-    """The steps and the trials of each chunk."""
-    step_layout, trial_layout = layouts
-    for index in indexes:
-        file.seek(index.chunk_start_offset + _RECORD_PREFIX)
-        stream, size = get_chunk_data_stream(Chunk.read(ReadDataStream(file)), validate_crc=True)
-        content = stream.read(size)
-        steps = np.frombuffer(content, step_layout.dtype, count=size // step_layout.dtype.itemsize)
-        steps = steps[: _leading(step_layout.matches(steps))]
-        rest = content[steps.nbytes :]
-        trials = np.frombuffer(rest, trial_layout.dtype, count=len(rest) // trial_layout.dtype.itemsize)
-        if steps.nbytes + trials.nbytes != size or not trial_layout.matches(trials).all():
-            raise RunError(f"{file.name}: holds messages that this version of visitlab does not write")
-        yield steps, trials
-
-
-def _leading(flags: npt.NDArray[np.bool_]) -> int:
-    """How many of the `flags` are set before the first that is not."""
-    return len(flags) if flags.all() else int(flags.argmin())
-
-
-def _gather(layout: Layout, blocks: Iterable[Records]) -> Columns:
-    """The fields of all `blocks` as arrays of their own, so that no block outlives its turn."""
-    parts: dict[str, list[npt.NDArray[np.generic]]] = {
-        name: [np.empty(0, layout.dtype[name])] for name in layout.fields
-    }
+def _gather(names: Iterable[str], layout: Layout, blocks: Iterable[Records]) -> Columns:
+    """The fields `names` of all `blocks` as arrays of their own, so that no block outlives its turn."""
+    parts: dict[str, list[npt.NDArray[np.generic]]] = {name: [np.empty(0, layout.dtype[name])] for name in names}
     for block in blocks:
         for name, arrays in parts.items():
             arrays.append(block[name].copy())
-    return {name: np.concatenate(arrays) for name, arrays in parts.items()}
+    return {name: np.concatenate(parts.pop(name)) for name in list(parts)}
+
+
+def _trials_of(steps: Columns, layout: Layout) -> Records:
+    """The trials that the steps of a whole log are, one for each run of equal trial numbers."""
+    numbers = steps["trial"]
+    firsts = np.flatnonzero(np.append(True, numbers[1:] != numbers[:-1])[: len(numbers)])
+    trials = layout.blank(len(firsts))
+    if len(firsts):
+        rewards = np.add.reduceat(steps["reward"].astype(np.float64), firsts)
+        last_rows = np.append(firsts[1:], len(numbers)) - 1
+        values = {
+            "trial": numbers[firsts],
+            "first_step_time": steps[_LOG_TIME][firsts],
+            "reward": rewards,
+            "steps": steps["step"][last_rows],
+            "goals": rewards,
+        }
+        for name in layout.fields:
+            trials[name] = values[name]
+    return trials

@@ -1,0 +1,133 @@
+"""What reading costs: a column, all columns, one trial, memory, recovery, against the stock reader.
+
+    python -m benchmarks.reading [LOG]
+
+LOG is a steps.mcap; without one navigation is simulated for 2,000,000 steps first.
+"""
+
+import argparse
+import random
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from itertools import islice
+from pathlib import Path
+
+from mcap.reader import make_reader
+from mcap_protobuf.decoder import DecoderFactory
+
+from visitlab_cli.recording.reader import iter_steps, read_steps, read_trial, trials
+from visitlab_cli.recording.recovery import recover
+from visitlab_cli.recording.tables import to_arrow
+
+STEPS = 2_000_000
+CONFIG = f"""
+name: long
+agents: {{mf: {{kind: q_learning}}}}
+experiments:
+  navigation: {{task: navigation, agents: [mf], steps: {STEPS}, trial_steps: 20}}
+"""
+TRIALS_READ = 40
+REPEATS = 3
+STOCK_MESSAGES = 50_000
+MEASURE_PEAK = """
+import sys
+from pathlib import Path
+from visitlab_cli.recording import reader
+
+def peak():
+    # ru_maxrss would tell of the parent process too
+    return next(int(line.split()[1]) for line in open("/proc/self/status") if line.startswith("VmHWM"))
+
+path, how = Path(sys.argv[1]), sys.argv[2]
+before = peak()
+if how == "in blocks":
+    sum(float(block["reward"].sum()) for block in reader.iter_steps(path, ["reward"]))
+elif how == "one column":
+    reader.read_steps(path, ["reward"])
+elif how == "all columns":
+    reader.read_steps(path)
+elif how == "one trial":
+    reader.read_trial(path, 0)
+print(peak() - before)
+"""
+WAYS = ("one trial", "in blocks", "one column", "all columns")
+
+
+def simulated(folder: Path) -> Path:
+    config = folder / "long.yaml"
+    config.write_text(CONFIG)
+    command = [sys.executable, "-m", "visitlab_cli", "train", config, "--out", folder, "--quiet"]
+    subprocess.run(list(map(str, command)), check=True, stdout=subprocess.DEVNULL)
+    return next(folder.glob("*/navigation/mf/seed-0000/steps.mcap"))
+
+
+def least_seconds(call: Callable[[], object]) -> float:
+    """The least wall time of a few repeats, everything included from opening the file on."""
+    seconds = []
+    for _ in range(REPEATS):
+        start = time.perf_counter()
+        call()
+        seconds.append(time.perf_counter() - start)
+    return min(seconds)
+
+
+def stock_seconds(path: Path) -> float:
+    """Seconds a message of the stock reader with decoding."""
+    with path.open("rb") as file:
+        messages = make_reader(file, decoder_factories=[DecoderFactory()]).iter_decoded_messages("/step")
+        start = time.perf_counter()
+        read = sum(1 for _ in islice(messages, STOCK_MESSAGES))
+        return (time.perf_counter() - start) / read
+
+
+def peak_mib(path: Path, how: str) -> float:
+    """How far the memory of a process of its own rises while it reads."""
+    command = [sys.executable, "-c", MEASURE_PEAK, str(path), how]
+    return int(subprocess.run(command, check=True, capture_output=True, text=True).stdout) / 1024
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("log", nargs="?", type=Path, metavar="LOG", help="a steps.mcap of a run")
+    log = parser.parse_args().log
+    with tempfile.TemporaryDirectory() as folder:
+        path = log or simulated(Path(folder))
+        table = trials(path)
+        rows = len(read_steps(path, ["step"])["step"])
+        print(f"{rows:,} messages in {len(table['trial']):,} trials, {path.stat().st_size / 1e6:.0f} MB\n")
+
+        stock = stock_seconds(path)
+        calls: dict[str, Callable[[], object]] = {
+            "one column": lambda: read_steps(path, ["reward"]),
+            "one column, in blocks": lambda: sum(len(block["reward"]) for block in iter_steps(path, ["reward"])),
+            "all columns": lambda: read_steps(path),
+            "all columns as Arrow, named": lambda: to_arrow(read_steps(path), named=True),
+        }
+        print(f"{'':28} {'messages/s':>12} {'x stock':>8}")
+        print(f"{'stock reader, decoded':28} {1 / stock:12,.0f} {1:8.0f}")
+        for name, call in calls.items():
+            seconds = least_seconds(call)
+            print(f"{name:28} {rows / seconds:12,.0f} {stock * rows / seconds:8.0f}")
+
+        numbers = random.Random(0).sample(table["trial"].tolist(), min(TRIALS_READ, len(table["trial"])))
+        each = sorted(1e3 * least_seconds(lambda number=number: read_trial(path, number)) for number in numbers)
+        print(f"\none trial: median {statistics.median(each):.1f} ms, slowest of {len(each)} {each[-1]:.1f} ms")
+        print(f"table of all trials: {least_seconds(lambda: trials(path)):.2f} s")
+
+        if Path("/proc/self/status").exists():
+            rises = ", ".join(f"{how} {peak_mib(path, how):.0f} MiB" for how in WAYS)
+            print(f"memory rises by: {rises}")
+
+        broken, fixed = Path(folder) / "broken.mcap", Path(folder) / "fixed.mcap"
+        broken.write_bytes(path.read_bytes()[:-1000])
+        start = time.perf_counter()
+        saved = recover(broken, fixed)
+        print(f"recovered {saved.steps:,} steps in {time.perf_counter() - start:.1f} s")
+
+
+if __name__ == "__main__":
+    main()

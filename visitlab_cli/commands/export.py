@@ -1,0 +1,96 @@
+"""`visitlab export`: recorded trials in the format of another program."""
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from visitlab_cli.commands.options import RUNS, Json, Out
+from visitlab_cli.commands.steps import Agent, Experiment, Human, RunOrFile, Seed
+
+if TYPE_CHECKING:
+    from visitlab_cli.recording.foxglove_scene import Look, ShownTrial
+
+
+def command(
+    run: RunOrFile,
+    foxglove: Annotated[
+        bool, typer.Option("--foxglove", help="An .mcap file whose topics Foxglove shows without a plug-in.")
+    ] = False,
+    experiment: Experiment = "",
+    human: Human = "",
+    agent: Agent = "",
+    seed: Seed = None,
+    trial: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="N|SELECTOR",
+            help="As in replay; may be repeated, the trials then follow each other. Default: 0.",
+            show_default=False,
+        ),
+    ] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", help="The new file; by default named by cell and trial.", show_default=False),
+    ] = None,
+    out: Out = RUNS,
+    as_json: Json = False,
+) -> None:
+    """Write recorded trials in the format of another program; choose one, such as --foxglove."""
+    from visitlab_cli.errors import UsageError
+
+    if not foxglove:
+        raise UsageError("choose a format: --foxglove")
+
+    from visitlab_cli.recording.foxglove import write_foxglove
+    from visitlab_cli.replay.choice import Selection, choose_trial, find_log
+
+    log = find_log(run, out, Selection(experiment, human, agent, seed))
+    if log.others:
+        typer.echo(f"chose {log.cell} of {len(log.others) + 1} cells; the next is {log.others[0]}", err=True)
+    numbers = [choose_trial(log.path, word) for word in trial or ["0"]]
+    target = output or Path(_name(log.cell, numbers))
+    rows = write_foxglove(target, (_shown(log.path, number) for number in numbers), _look())
+    told = {"cell": log.cell, "trials": numbers, "rows": rows, "file": str(target)}
+    typer.echo(json.dumps(told) if as_json else f"{log.cell}, trial {', '.join(map(str, numbers))}: {target}")
+
+
+def _name(cell: str, numbers: list[int]) -> str:
+    """A file's name that says what is in it; `cell` is one of a run, or a file's path."""
+    where = Path(cell).stem if cell.endswith(".mcap") else cell.replace("/", "-")
+    return f"{where}-trial-{'-'.join(map(str, numbers))}.foxglove.mcap"
+
+
+def _shown(path: Path, number: int) -> "ShownTrial":
+    """A trial with the words of the replay."""
+    from visitlab_cli.recording.foxglove_scene import ShownTrial
+    from visitlab_cli.replay.trial import load_trial
+    from visitlab_cli.story import GESTURES, captions, executed, room_name
+    from visitlab_cli.world.grid import N_ROOMS
+
+    trial = load_trial(path, number)
+    return ShownTrial(
+        number=number,
+        steps=dict(trial.steps),
+        captions=captions(trial.steps),
+        bubbles=[GESTURES.get(action, "") for action in executed(trial.steps).tolist()],
+        room_names=[room_name(room) for room in range(N_ROOMS)] if trial.has_rooms else [],
+        size=trial.size,
+    )
+
+
+def _look() -> "Look":
+    """The colours of the replay."""
+    from visitlab_cli import story
+    from visitlab_cli.recording.foxglove_scene import Look
+
+    return Look(
+        robot=story.ROBOT,
+        human=story.HUMAN,
+        goal=story.GOAL,
+        desired=story.DESIRED,
+        field=story.VISUAL_FIELD,
+        ink=story.INK,
+        floor=story.FLOOR,
+    )

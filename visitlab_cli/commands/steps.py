@@ -1,0 +1,82 @@
+"""`visitlab steps`: a recorded trial as a table, one step a line, in words."""
+
+import json
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from visitlab_cli.commands.options import RUNS, Json, Out
+
+if TYPE_CHECKING:
+    from visitlab_cli.story import Steps
+
+RunOrFile = Annotated[
+    str, typer.Argument(metavar="RUN|FILE", help="A run (its folder, name, 'latest') or an .mcap file.")
+]
+Experiment = Annotated[str, typer.Option("--experiment", "-e", help="Of this experiment; else a visit.")]
+Human = Annotated[str, typer.Option(help="With this human.")]
+Agent = Annotated[str, typer.Option(help="Of this agent; in a visit the social module's.")]
+Seed = Annotated[int | None, typer.Option(min=0, help="Of this repetition, from 0.")]
+TrialWord = Annotated[
+    str, typer.Option(metavar="N|SELECTOR", help="Its number, or best, worst, median, longest-engagement.")
+]
+
+
+def command(
+    run: RunOrFile,
+    experiment: Experiment = "",
+    human: Human = "",
+    agent: Agent = "",
+    seed: Seed = None,
+    trial: TrialWord = "0",
+    out: Out = RUNS,
+    as_json: Json = False,
+) -> None:
+    """Print a recorded trial as a table, one step a line, in the words of the replay."""
+    from visitlab_cli.recording.reader import read_trial
+    from visitlab_cli.replay.choice import Selection, choose_trial, find_log
+
+    log = find_log(run, out, Selection(experiment, human, agent, seed))
+    if log.others:
+        typer.echo(f"chose {log.cell} of {len(log.others) + 1} cells; the next is {log.others[0]}", err=True)
+    number = choose_trial(log.path, trial)
+    steps = read_trial(log.path, number)
+    if as_json:
+        told = {"cell": log.cell, "trial": number, "steps": plain(steps)}
+        typer.echo(json.dumps(told, indent=2))
+    else:
+        typer.echo(f"{log.cell}, trial {number}\n\n{table(steps)}")
+
+
+def plain(steps: "Steps") -> list[dict[str, Any]]:
+    """Each step as the log's values, enums by their names, and its caption."""
+    from visitlab_cli.recording.tables import names_of
+    from visitlab_cli.story import captions
+
+    columns = {}
+    for column, values in steps.items():
+        names = names_of(column)
+        columns[column] = [names[value] for value in values] if names else values.tolist()
+    rows = zip(*columns.values(), captions(steps), strict=True)
+    return [dict(zip((*columns, "caption"), row, strict=True)) for row in rows]
+
+
+def table(steps: "Steps") -> str:
+    """A line for each step: what the task has of goal, desired direction, level; reward; what happens in words."""
+    from visitlab_cli.story import LEVEL_NAMES, captions, direction_name, room_name
+
+    columns = {"step": [str(step) for step in steps["step"]]}
+    for head, column, in_words in (
+        ("goal", "goal_room", room_name),
+        ("desired", "desired_direction", direction_name),
+        ("level", "interaction_level", LEVEL_NAMES.__getitem__),
+    ):
+        if column in steps:
+            columns[head] = [in_words(int(value)) for value in steps[column]]
+    columns["reward"] = [f"{value:g}" for value in steps["reward"]]
+    columns["what happens"] = captions(steps)
+    rows = [list(columns), *(list(row) for row in zip(*columns.values(), strict=True))]
+    widths = [max(len(row[column]) for row in rows) for column in range(len(columns))]
+    return "\n".join(
+        "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows
+    )
