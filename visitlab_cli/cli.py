@@ -1,16 +1,50 @@
 """The command line: one file a command in `commands/`; nothing heavy is imported before a command runs."""
 
+import contextlib
+import os
+import signal
 import sys
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+import typer.core
 
 from visitlab_cli import __version__
+from visitlab_cli.commands import (
+    affordances,
+    compare,
+    doctor,
+    export,
+    figures,
+    help,
+    init,
+    optimum,
+    recover,
+    replay,
+    run,
+    runs,
+    schema,
+    steps,
+    train,
+    validate,
+)
 from visitlab_cli.commands import eval as eval_command
-from visitlab_cli.commands import replay, run, train, validate
-from visitlab_cli.errors import Interrupted, VisitlabError
+from visitlab_cli.commands.options import NoColor
+from visitlab_cli.errors import Interrupted, NotFoundError, RunError, VisitlabError
+
+
+class _Program(typer.core.TyperGroup):
+    def invoke(self, ctx: Any) -> Any:
+        """Run a command; a reader that left early, as `head` does, is no failure."""
+        try:
+            return super().invoke(ctx)
+        except BrokenPipeError:
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # for what is flushed at the end
+            raise typer.Exit from None
+
 
 app = typer.Typer(
+    cls=_Program,
     help="Run, record and replay the 'visit the lab' task: a robot wins a human's attention and leads it "
     "through goal rooms.",
     no_args_is_help=True,
@@ -30,6 +64,7 @@ def visitlab(
     version: Annotated[
         bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version and exit.")
     ] = False,
+    no_color: NoColor = False,
 ) -> None:
     """See `visitlab COMMAND --help`."""
 
@@ -38,18 +73,43 @@ app.command("run")(run.command)
 app.command("train")(train.command)
 app.command("eval")(eval_command.command)
 app.command("replay")(replay.command)
+app.command("compare")(compare.command)
+app.command("figures")(figures.command)
+app.command("affordances")(affordances.command)
+app.command("optimum")(optimum.command)
+app.command("recover")(recover.command)
+app.command("steps")(steps.command)
+app.command("export")(export.command)
 app.command("validate")(validate.command)
+app.command("schema")(schema.command)
+app.command("init")(init.command)
+app.command("doctor")(doctor.command)
+app.add_typer(runs.app, name="runs")
+help.arrange(app)
 
 
 def main() -> None:
     """The program: every failure that a user can mend is a clear line and an exit code."""
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # as Ctrl-C, wherever it comes
     try:
-        app()
+        app(prog_name="visitlab")
     except VisitlabError as error:
-        sys.stderr.write(f"{error}\n")
-        sys.exit(error.exit_code)
+        _end(str(error), error.exit_code)
+    except SystemExit as error:
+        if isinstance(error.__context__, BrokenPipeError):  # rich: the reader of what it printed left
+            sys.exit(0)
+        raise
     except KeyboardInterrupt:
-        sys.exit(Interrupted.exit_code)
-    except BrokenPipeError:
-        sys.stderr.close()  # the reader left; nothing is wrong, and nothing more can be said
-        sys.exit(0)
+        _end("interrupted", Interrupted.exit_code)
+    except MemoryError as error:
+        _end(f"not enough memory: {error}", RunError.exit_code)
+    except OSError as error:
+        if error.filename is None:
+            raise
+        _end(f"{error.filename}: {error.strerror}", NotFoundError.exit_code)
+
+
+def _end(line: str, exit_code: int) -> None:
+    with contextlib.suppress(OSError):
+        sys.stderr.write(f"{line}\n")
+    sys.exit(exit_code)

@@ -8,6 +8,7 @@ file that a kernel calls: an edited rule would silently run as before.
 import hashlib
 import os
 import platform
+import shutil
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -24,6 +25,7 @@ from numba.extending import overload
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
+ROOM_FOR_CACHE = 64 * 2**20  # bytes: numba fails where it can't write, so a full disk is no cache at all
 PACKAGE = Path(__file__).parent
 KERNEL_SOURCES = ("compiled.py", "random_numbers.py", "world", "agents", "simulation")
 _settings: Any = numba.config
@@ -49,14 +51,15 @@ def sources_hash() -> str:
 
 @cache
 def cache_folder() -> Path | None:
-    """The folder of this version's machine code, made private; None where none can be written."""
+    """The folder of this version's machine code, made private; None where none can be written or the disk is full."""
     try:
         root = Path(os.environ.get("VISITLAB_CACHE") or platformdirs.user_cache_path("visitlab"))
         folder = root / f"kernels-{sources_hash()}"
         folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+        full = shutil.disk_usage(folder).free < ROOM_FOR_CACHE
     except (OSError, RuntimeError):
         return None
-    return folder if os.access(folder, os.W_OK) else None
+    return folder if os.access(folder, os.W_OK) and not full else None
 
 
 @contextmanager

@@ -5,11 +5,12 @@ import os
 import resource
 import shutil
 import stat
+import subprocess
 
 import numpy as np
 import pytest
 
-from tests.program import TINY, hashes, the_run, visitlab
+from tests.program import COMMAND, TINY, hashes, the_run, visitlab
 from visitlab_cli.storage.arrays import read_model, read_trials
 
 EXPECTING = """
@@ -101,7 +102,7 @@ def test_eval_wants_trained_modules(run):
     shutil.rmtree(run / "navigation" / "rmax")
     done = visitlab("eval", run, "--trials", 2)
     assert done.returncode == 4
-    what, how = "navigation/rmax/seed-0000", f"visitlab train {run}/config.yaml"
+    what, how = "navigation/rmax/seed-0000", f"visitlab train {run}/config.yaml --out {run.parent}"
     assert told(done) == f"{run}: not trained yet: {what}; train it with {how}"
 
 
@@ -122,6 +123,104 @@ def test_an_expected_value_that_is_missed_exits_with_4(tiny_run, tmp_path, value
         assert "difference" not in other.stdout
 
 
+UNREACHABLE = [
+    (
+        "navigation/chance: {value: 1, tolerance: 1, trials: [50, 61]}",
+        "navigation/chance.trials: up to 61, but there are 60",
+    ),
+    ("visit/slow: {value: 1, tolerance: 1, trials: [1, 5]}", "visit/slow.trials: up to 5, but there are 4"),
+]
+
+
+@pytest.mark.parametrize(("line", "told_of"), UNREACHABLE)
+def test_an_expected_value_that_can_never_be_checked_is_refused(tmp_path, line, told_of):
+    config = tmp_path / "expecting.yaml"
+    config.write_text(f"{TINY.read_text()}\nexpected:\n  {line}\n")
+    done = visitlab("train", config, "--out", tmp_path / "runs")
+    assert (done.returncode, done.stderr) == (3, f"expected.{told_of}\n")
+    assert not (tmp_path / "runs").exists()
+
+
+def test_expected_values_stay_with_the_run_and_follow_the_config(tmp_path):
+    config, out = tmp_path / "expecting.yaml", tmp_path / "runs"
+    config.write_text(TINY.read_text() + EXPECTING.format(value=0))
+    assert visitlab("train", config, ONE_CELL, "--out", out).returncode == 0
+    for value in (3, 5):
+        config.write_text(TINY.read_text() + EXPECTING.format(value=value))
+        visitlab("train", config, "--out", out)
+        (stored,) = (file for file in out.glob("*/config.yaml") if "tolerance" in file.read_text())
+        assert f"value: {value}.0" in stored.read_text()
+    visitlab("train", config, "agents.mf.gamma=0.9", "--out", out)  # the default: the same run
+    assert "value: 5.0" in stored.read_text()
+
+
+def test_eval_refuses_a_run_whose_config_was_edited(run):
+    config = run / "config.yaml"
+    config.write_text(config.read_text().replace("p_A: 0.05", "p_A: 0.5", 1))
+    done = visitlab("eval", run, "--frozen")
+    assert done.returncode == 4
+    assert told(done) == f"{config}: was edited after the modules were trained; restore it, or train anew"
+
+
+def test_names_that_look_like_folders_of_seeds_are_kept_apart(tmp_path):
+    config = tmp_path / "names.yaml"
+    config.write_text(
+        "name: names\nagents: {chance: {kind: random}}\n"
+        "humans: {model-0000: {p_S: [1, 0, 0]}, seed-0000: {p_S: [0, 1, 0]}}\n"
+        "experiments: {seed-1: {task: social, agents: [chance], humans: [model-0000, seed-0000], steps: 40}}\n"
+    )
+    done = visitlab("run", config, "--out", tmp_path / "runs", "--json")
+    names = [line["name"] for line in json.loads(done.stdout)["results"]]
+    assert names == ["seed-1/chance/model-0000", "seed-1/chance/seed-0000"]
+
+
+def test_a_name_goes_before_longer_ones_that_begin_so(tmp_path):
+    out = tmp_path / "runs"
+    for name in ("one", "oneself"):
+        assert visitlab("train", TINY, ONE_CELL, f"name={name}", "--out", out).returncode == 0
+    done = visitlab("eval", "one", "--out", out)
+    assert "its config declares no visit" in done.stderr
+    assert "/one-" in done.stderr
+    assert "several runs begin so" in visitlab("eval", "on", "--out", out).stderr
+
+
+def test_names_that_cannot_be_files_are_not_found(tmp_path):
+    for arguments in (["run", "a" * 300], ["eval", "a" * 300], ["replay", "a" * 300 + ".mcap"], ["eval", ""]):
+        done = visitlab(*arguments, cwd=tmp_path)
+        assert (done.returncode, len(done.stderr.splitlines())) == (5, 1), done.stderr
+
+
+def test_too_much_memory_is_one_line(tmp_path):
+    huge = "experiments={navigation: {task: navigation, agents: [mf], steps: 1000000000000}}"
+    done = visitlab("train", TINY, huge, "record.steps=none", "--out", tmp_path, preexec_fn=little_memory)
+    assert done.returncode == 4
+    assert "Traceback" not in done.stderr
+
+
+def little_memory():
+    resource.setrlimit(resource.RLIMIT_AS, (8 * 2**30, resource.RLIM_INFINITY))
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["validate", TINY], ["run", "--help"]])
+def test_a_reader_that_leaves_early_is_no_failure(arguments):
+    reader, writer = os.pipe()
+    os.close(reader)
+    done = subprocess.run([*COMMAND, *map(str, arguments)], stdout=writer, stderr=subprocess.PIPE, check=False)
+    os.close(writer)
+    assert done.stderr == b""
+    assert done.returncode == 0
+
+
+def test_losing_who_reads_the_progress_stops_nothing(tiny_run, tmp_path):
+    reader, writer = os.pipe()
+    os.close(reader)
+    command = [*COMMAND, "run", str(TINY), "--out", str(tmp_path)]
+    done = subprocess.run(command, stdout=subprocess.PIPE, stderr=writer, check=False)
+    os.close(writer)
+    assert done.returncode == 0
+    assert hashes(the_run(tmp_path)) == hashes(tiny_run)
+
+
 def test_validate_says_what_would_run(tmp_path):
     done = visitlab("validate", TINY)
     assert done.returncode == 0
@@ -130,7 +229,11 @@ def test_validate_says_what_would_run(tmp_path):
 
 
 BAD = [
-    (["run", "nope.yaml"], 5, "nope.yaml: no such file, nor a shipped config; shipped: my-human, paper, quickstart and parts of paper/"),
+    (
+        ["run", "nope.yaml"],
+        5,
+        "nope.yaml: no such file, nor a shipped config; shipped: my-human, paper, quickstart and parts of paper/",
+    ),
     (["run", "quickstrat"], 5, "quickstrat: no such file, nor a shipped config; did you mean quickstart?"),
     (["run", TINY, "sedes=2"], 3, "override 'sedes=2': sedes: unknown; did you mean seeds?"),
     (["run", TINY, "humans.slow.p_M=2"], 3, "override 'humans.slow.p_M=2': humans.slow.p_M: must be at most 1 (got 2)"),
@@ -210,4 +313,4 @@ def test_no_home_and_no_terminal(tmp_path):
 def test_version_and_help():
     assert visitlab("--version").stdout.strip().count(".") == 2
     assert visitlab("-h").returncode == 0
-    assert "Did you mean 'run'?" in visitlab("runn").stderr
+    assert "Did you mean 'run'" in visitlab("runn").stderr

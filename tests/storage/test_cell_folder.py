@@ -10,7 +10,17 @@ import pytest
 from visitlab_cli.errors import RunError
 from visitlab_cli.storage.cell_folder import NewCell, read_cell, remove_leftovers
 
-FACTS, TIMING = {"steps": 1}, {"seconds": 2}
+FACTS = {
+    "cell": "a/b/seed-0000",
+    "seed": 0,
+    "steps": 1,
+    "trials": 1,
+    "mean_reward_last_hundredth": 0.5,
+    "mean_reward_last_tenth": 0,
+    "config_hash": "00000000",
+    "versions": {},
+}
+TIMING = {"seconds": 2}
 
 
 def write(run, path="a/b/seed-0000", text="data"):
@@ -63,7 +73,15 @@ def cut(file):
     file.write_bytes(file.read_bytes()[:-1])
 
 
+def without_a_fact(cell):
+    facts = json.loads((cell / "cell.json").read_text())
+    facts["mean_reward_last_tenth"] = "high"
+    (cell / "cell.json").write_text(json.dumps(facts))
+
+
 DAMAGE = {
+    "a fact of another type": without_a_fact,
+    "too deep": lambda cell: (cell / "cell.json").write_text("[" * 100_000),
     "no cell.json": lambda cell: (cell / "cell.json").unlink(),
     "cell.json cut": lambda cell: (cell / "cell.json").write_text('{"format": 1, "fi'),
     "cell.json empty": lambda cell: (cell / "cell.json").write_text(""),

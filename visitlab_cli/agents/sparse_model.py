@@ -39,7 +39,7 @@ def empty_model(setting: Setting) -> SparseModel:
     """A model that has seen nothing, with room for `setting.steps` visits."""
     pairs = setting.n_states * setting.n_actions
     # a pair with k successors has used rooms of 1 + 2 + ... up to less than 2k, fewer than 4k in all
-    pool = 4 * setting.steps + 1
+    pool = 4 * min(setting.steps, pairs * setting.n_states) + 1
     return SparseModel(
         visits=np.zeros(pairs, np.int32),
         reward_sums=np.zeros(pairs),

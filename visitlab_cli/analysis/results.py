@@ -6,6 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from visitlab_cli.config.model import Config
+from visitlab_cli.config.problems import or_else
+from visitlab_cli.errors import ConfigError
 from visitlab_cli.execution.cells import Cell
 from visitlab_cli.storage.arrays import read_trials
 from visitlab_cli.storage.cell_folder import TRIALS, read_cell
@@ -65,6 +67,21 @@ def _values(run: Path, cells: Sequence[Cell], trials: Sequence[int] | None) -> t
     rewards = [read_trials(run / path / TRIALS)["reward"][first - 1 : last] for path in facts]
     measure = f"{measure.partition(',')[0]}, {first} to {last}"
     return measure, [float(part.mean()) for part in rewards if len(part)]
+
+
+def check_expected(config: Config, cells: Sequence[Cell]) -> None:
+    """Nothing where each of the config's expected values can be checked, given all `cells` of its plan.
+
+    Raises:
+        ConfigError: one names no group of cells, or trials that they don't have.
+    """
+    trials = {cell.group: cell.trials for cell in cells}
+    for group, expected in config.expected.items():
+        if group not in trials:
+            hint = "; with `vary` the point belongs to the name" if config.vary else ""
+            raise ConfigError(f"expected.{group}: no such module or visit{hint}{or_else(group, list(trials))}")
+        if expected.trials is not None and expected.trials[1] > trials[group]:
+            raise ConfigError(f"expected.{group}.trials: up to {expected.trials[1]}, but there are {trials[group]}")
 
 
 def results(run: Path, config: Config, cells: Sequence[Cell]) -> list[Result]:

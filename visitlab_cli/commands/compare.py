@@ -1,4 +1,7 @@
-"""`visitlab compare`: a run against the published curves, with a verdict on each and the cause if one is there."""
+"""`visitlab compare`: a run with the published curves, its conditions with each other, or with another run.
+
+With the published curves there is a verdict on each, and the cause if one is there.
+"""
 
 import json
 import math
@@ -6,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from visitlab_cli.commands import completion
 from visitlab_cli.commands.optimum import aligned
 from visitlab_cli.commands.options import RUNS, Json, Out, Run
 
@@ -18,6 +22,18 @@ MARKS = {"agrees": " ", "undecided": "?", "differs": "!"}
 
 def command(
     run: Run,
+    other: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="OTHER",
+            help="A second run: what both have is compared, instead of the published curves.",
+            autocompletion=completion.runs,
+        ),
+    ] = None,
+    by: Annotated[
+        str | None,
+        typer.Option(metavar="KEY", help="Compare agents, humans, or a setting that varies: agent, human, its path."),
+    ] = None,
     variant: Annotated[
         list[str] | None, typer.Option(help="Look for causes in this run, too; may be repeated.", metavar="RUN")
     ] = None,
@@ -25,9 +41,10 @@ def command(
     out: Out = RUNS,
     as_json: Json = False,
 ) -> None:
-    """Compare a run with every published curve: agrees, differs or undecided, and why.
+    """Compare a run with every published curve, with another run, or --by agent, human or a setting that varies.
 
-    Causes are looked for in all runs of the folder that RUN lies in, and in each --variant.
+    With a curve: agrees, differs or undecided, and why; causes are looked for in all runs of the folder that RUN
+    lies in, and in each --variant. Else: difference with 95% interval, seeds, probability of improvement.
     """
     from visitlab_cli.analysis.comparison import compare
     from visitlab_cli.analysis.variants import open_variant, variants_beside
@@ -38,6 +55,16 @@ def command(
     if not math.isfinite(margin):
         raise UsageError(f"--margin {margin}: must be a number")
     folder = find_run(run, out)
+    if by is not None or other is not None:
+        if variant or (by is not None and other is not None):
+            raise UsageError("OTHER, --by and --variant: choose one")
+        from visitlab_cli.commands.runs_compare import tell_by, tell_runs
+
+        if by is not None:
+            tell_by(folder, by, as_json)
+        elif other is not None:
+            tell_runs(folder, find_run(other, out), as_json)
+        return
     asked = [open_variant(find_run(word, out)) for word in variant or []]
     known = {each.run.resolve() for each in asked}
     beside = [each for each in variants_beside(folder) if each.run.resolve() not in known]

@@ -1,21 +1,49 @@
 """Options and arguments that several commands share."""
 
+import os
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-Config = Annotated[str, typer.Argument(help="A YAML file, or the name of a shipped config (quickstart, paper).")]
+from visitlab_cli.commands import completion
+
+
+def _no_color(asked: bool) -> None:
+    if asked:
+        os.environ["NO_COLOR"] = "1"  # which rich and typer heed
+
+
+Config = Annotated[
+    str,
+    typer.Argument(
+        metavar="CONFIG",
+        help="A YAML file, or the name of a shipped config (quickstart, my-human, paper).",
+        autocompletion=completion.configs,
+    ),
+]
 Overrides = Annotated[
     list[str] | None,
-    typer.Argument(metavar="[KEY=VALUE]...", help="Overrides, such as seeds=10.", show_default=False),
+    typer.Argument(metavar="KEY=VALUE", help="Overrides, such as seeds=10.", show_default=False),
 ]
-Run = Annotated[str, typer.Argument(help="A run's folder, its name, a unique beginning of it, or 'latest'.")]
+Run = Annotated[
+    str,
+    typer.Argument(
+        metavar="RUN",
+        help="A run's folder, its name, a unique beginning of it, or 'latest'.",
+        autocompletion=completion.runs,
+    ),
+]
 Out = Annotated[Path, typer.Option("--out", help="The folder of all runs.")]
 Workers = Annotated[
     int, typer.Option("--workers", "-w", min=0, max=1024, help="Processes; 0: as many as there are cores.")
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print the result as JSON.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Tell nothing but failures and the result.")]
+Verbose = Annotated[bool, typer.Option("--verbose", "-v", help="Tell when each cell begins, too, and its speed.")]
+DryRun = Annotated[bool, typer.Option("--dry-run", help="Only tell the cells to do, their steps, time and disk.")]
+NoColor = Annotated[
+    bool, typer.Option("--no-color", callback=_no_color, is_eager=True, help="No colours; NO_COLOR=1 does the same.")
+]
 
 RUNS = Path("runs")

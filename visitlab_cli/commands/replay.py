@@ -37,15 +37,14 @@ def command(
         raise UsageError("--png and --step: a picture needs both, as in --png picture.png --step 12")
     if save is not None and save.suffix.lower() != ".rrd":
         raise UsageError(f"--save {save}: must end in .rrd")
-    if save is None and not web and png is None and strip is None:
-        from visitlab_cli.replay.viewer import check_display
-
-        check_display()
-
     from visitlab_cli.replay.choice import Selection, choose_trial, find_log
     from visitlab_cli.replay.trial import load_trial
 
     log = find_log(run, out, Selection(experiment, human, agent, seed))
+    if save is None and not web and png is None and strip is None:
+        from visitlab_cli.replay.viewer import check_display
+
+        check_display()
     if log.others:
         typer.echo(f"chose {log.cell} of {len(log.others) + 1} cells; the next is {log.others[0]}", err=True)
     chosen = load_trial(log.path, choose_trial(log.path, trial))

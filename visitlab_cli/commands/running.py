@@ -2,13 +2,13 @@
 
 import json
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import typer
 
-from visitlab_cli.errors import RunError
+from visitlab_cli.errors import RunError, UsageError
 
 if TYPE_CHECKING:
     from visitlab_cli.analysis.results import Result
@@ -16,27 +16,67 @@ if TYPE_CHECKING:
     from visitlab_cli.execution.cells import Cell
 
 
-def run_and_tell(
-    run: Path, config: "Config", cells: Sequence["Cell"], *, workers: int, as_json: bool, quiet: bool
-) -> None:
-    """Run the missing cells and print the results.
+class How(NamedTuple):
+    """The options that `run`, `train` and `eval` share; `workers` 0: as many as there are cores."""
+
+    workers: int
+    dry_run: bool
+    as_json: bool
+    quiet: bool
+    verbose: bool
+
+
+def run_config(out: Path, config: "Config", cells_of: "Callable[[Config], list[Cell]]", how: How) -> None:
+    """Run the cells of a config, in its folder below `out`, which is made; with `dry_run` only tell.
+
+    Raises:
+        RunError: as `run_and_tell`, or the folder can't be written.
+        ConfigError: an expected value can never be checked.
+    """
+    from visitlab_cli.analysis.results import check_expected
+    from visitlab_cli.execution.cells import plan
+    from visitlab_cli.execution.versions import versions
+    from visitlab_cli.storage.nearest import news_of
+    from visitlab_cli.storage.run_folder import open_run, run_name
+
+    check_expected(config, plan(config))
+    if not how.quiet and (news := news_of(out, config)):
+        typer.echo(news, err=True)
+    if how.dry_run:
+        folder = out / run_name(config)
+    else:
+        folder, config = open_run(out, config, versions())
+    run_and_tell(folder, config, cells_of(config), how)
+
+
+def run_and_tell(run: Path, config: "Config", cells: "Sequence[Cell]", how: How) -> None:
+    """Run the missing cells and print the results; with `dry_run` only tell what there is to do.
 
     Raises:
         RunError: a cell failed, or a value is not what the config expects.
+        UsageError: quiet and verbose at once.
     """
+    workers = how.workers or cores()
+    if how.quiet and how.verbose:
+        raise UsageError("--quiet and --verbose: choose one")
+    if how.dry_run:
+        from visitlab_cli.commands.dry_run import tell_plan
+
+        tell_plan(run, cells, workers=workers, as_json=how.as_json)
+        return
     from visitlab_cli.analysis.results import results
     from visitlab_cli.execution.progress import Progress
     from visitlab_cli.execution.runner import missing_cells, run_cells
     from visitlab_cli.execution.warm_up import warm_up
 
-    progress = Progress(quiet)
+    progress = Progress(how.quiet, how.verbose)
     missing = missing_cells(run, cells)
     if missing:
         progress.say(f"{run}: {len(missing)} of {len(cells)} cells to do")
         warm_up(missing, progress.say)
-    failures = run_cells(run, cells, workers or cores(), progress)
+    failures = run_cells(run, cells, workers, progress)
     lines = results(run, config, cells)
-    if as_json:
+    if how.as_json:
         typer.echo(json.dumps({"run": str(run), "results": [line.as_json() for line in lines]}, indent=2))
     else:
         typer.echo(table(lines))

@@ -1,6 +1,23 @@
 """`visitlab train`: the trainings of a config, without its visits."""
 
-from visitlab_cli.commands.options import RUNS, Config, Json, Out, Overrides, Quiet, Workers
+from typing import TYPE_CHECKING
+
+from visitlab_cli.commands.options import (
+    RUNS,
+    Config,
+    DryRun,
+    Json,
+    NoColor,
+    Out,
+    Overrides,
+    Quiet,
+    Verbose,
+    Workers,
+)
+
+if TYPE_CHECKING:
+    from visitlab_cli.config.model import Config as AnyConfig
+    from visitlab_cli.execution.cells import Cell
 
 
 def command(
@@ -8,17 +25,22 @@ def command(
     overrides: Overrides = None,
     out: Out = RUNS,
     workers: Workers = 0,
+    dry_run: DryRun = False,
     as_json: Json = False,
     quiet: Quiet = False,
+    verbose: Verbose = False,
+    no_color: NoColor = False,
 ) -> None:
     """Train the modules that a config declares. `visitlab eval RUN` then plays the visits."""
-    from visitlab_cli.commands.running import run_and_tell
+    from visitlab_cli.commands.running import How, run_config
     from visitlab_cli.config.loading import load
+
+    loaded = load(config, overrides or [])
+    run_config(out, loaded, _trainings, How(workers, dry_run, as_json, quiet, verbose))
+
+
+def _trainings(config: "AnyConfig") -> "list[Cell]":
     from visitlab_cli.execution.cells import plan
-    from visitlab_cli.execution.versions import versions
-    from visitlab_cli.storage.run_folder import open_run
     from visitlab_cli.world.columns import VISIT
 
-    folder, loaded = open_run(out, load(config, overrides or []), versions())
-    trainings = [cell for cell in plan(loaded) if cell.task != VISIT]
-    run_and_tell(folder, loaded, trainings, workers=workers, as_json=as_json, quiet=quiet)
+    return [cell for cell in plan(config) if cell.task != VISIT]

@@ -1,15 +1,23 @@
 """`visitlab validate`: check a config and say what it would do."""
 
 import json
+from typing import Annotated, Any
 
 import typer
 
 from visitlab_cli.commands.options import Config, Json, Overrides
 
 
-def command(config: Config, overrides: Overrides = None, as_json: Json = False) -> None:
+def command(
+    config: Config,
+    overrides: Overrides = None,
+    show: Annotated[
+        bool, typer.Option("--show", help="Print the whole config: included, overridden, defaults filled in.")
+    ] = False,
+    as_json: Json = False,
+) -> None:
     """Check a config: every error at once, each with its place; else what it would run."""
-    from visitlab_cli.config.canonical import config_hash
+    from visitlab_cli.config.canonical import canonical, config_hash, dump_yaml
     from visitlab_cli.config.loading import load
     from visitlab_cli.execution.cells import plan
 
@@ -18,6 +26,9 @@ def command(config: Config, overrides: Overrides = None, as_json: Json = False) 
     steps = sum(cell.steps for cell in cells)
     run = f"{loaded.name}-{config_hash(loaded)}"
     if as_json:
-        typer.echo(json.dumps({"valid": True, "run": run, "cells": len(cells), "steps": steps}, indent=2))
+        told: dict[str, Any] = {"valid": True, "run": run, "cells": len(cells), "steps": steps}
+        typer.echo(json.dumps({**told, "config": canonical(loaded)} if show else told, indent=2))
+    elif show:
+        typer.echo(dump_yaml(loaded), nl=False)
     else:
         typer.echo(f"valid: {len(cells)} cells, {steps:,} steps; the run would be {run}")

@@ -6,7 +6,7 @@ from typing import Any
 
 import yaml
 
-from visitlab_cli.config.experiments import Visit
+from visitlab_cli.config.experiments import SocialTraining, Visit
 from visitlab_cli.config.model import Config
 from visitlab_cli.config.names import module
 from visitlab_cli.config.scalars import meaning
@@ -19,12 +19,15 @@ def canonical(config: Config) -> dict[str, Any]:
     """The whole config as plain values: `like` and `include` resolved, defaults filled in.
 
     Planning options of a visit whose social module does not plan are left out: there they may not be written.
+    So is the `start_from` of a training that starts with nothing.
     """
     plain = config.model_dump(mode="json")
     for name, experiment in config.experiments.items():
         if isinstance(experiment, Visit) and not config.agents[module(experiment.modules.social).agent].plans:
             for option in Visit.planning_options:
                 del plain["experiments"][name][option]
+        if isinstance(experiment, SocialTraining) and experiment.start_from is None:
+            del plain["experiments"][name]["start_from"]
     return plain
 
 

@@ -106,6 +106,18 @@ class SocialTraining(Training):
     direction_change: Probability = Field(
         default=DIRECTION_CHANGE, description="probability that the desired direction is redrawn after a step"
     )
+    start_from: ModuleName | None = Field(
+        default=None,
+        description="the trained module, `experiment/agent/human`, that each agent goes on learning from, the same "
+        "seed's; left out: it starts with nothing learned",
+    )
+
+    @field_validator("start_from", mode="before")
+    @classmethod
+    def _named(cls, start_from: Any) -> Any:
+        if start_from is None:  # that it starts with nothing has one spelling, so that it has one hash
+            raise ValueError("must be experiment/agent/human; leave it out to start with nothing learned")
+        return start_from
 
 
 class Modules(Section):

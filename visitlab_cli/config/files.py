@@ -34,12 +34,17 @@ def find(name: str | Path) -> Path:
         NotFoundError: if there is neither; it says what is shipped.
     """
     path = Path(name)
-    if path.exists() and not path.is_dir():
+    try:
+        exists, is_folder = path.exists(), path.is_dir()
+    except (OSError, ValueError) as error:  # ValueError: a NUL in the name
+        reason = getattr(error, "strerror", None) or str(error)
+        raise NotFoundError(f"{printable(str(name))}: {reason}") from None
+    if exists and not is_folder:
         return path
     shipped = shipped_configs()
     if str(name) in shipped:
         return shipped[str(name)]
-    if path.is_dir():
+    if is_folder:
         raise NotFoundError(f"{printable(str(name))}: a folder, not a config")
     if any(not re.fullmatch(NAME_PATTERN.removesuffix("$"), part) for part in str(name).split("/")):
         raise NotFoundError(f"{printable(str(name))}: no such file")

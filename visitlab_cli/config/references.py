@@ -32,6 +32,9 @@ def issues(declared: Declared) -> list[Issue]:
         path = ("experiments", name)
         if isinstance(experiment, Training):
             found += _players(path, experiment, declared)
+        if isinstance(experiment, SocialTraining) and experiment.start_from is not None:
+            messages = _start(name, experiment, experiment.start_from, declared)
+            found += [Issue((*path, "start_from"), message) for message in messages]
         if isinstance(experiment, SocialTraining | Visit):
             found += _each_declared("human", (*path, "humans"), experiment.humans, declared.humans)
         if isinstance(experiment, Visit):
@@ -125,6 +128,36 @@ def _module(task: str, text: str, declared: Declared) -> Iterator[str]:
         yield f"{experiment_name} does not train {agent}{or_else(agent, experiment.agents)}"
     else:
         yield from _module_human(text, human, experiment)
+
+
+def _start(name: str, training: SocialTraining, text: str, declared: Declared) -> Iterator[str]:
+    """What is wrong with a social training's `start_from`, if anything."""
+    wrong = list(_module(SOCIAL, text, declared))
+    if wrong:
+        yield from wrong
+        return
+    experiment_name, agent, human = module(text)
+    other = declared.experiments[experiment_name]
+    if human is None and other is not None:
+        yield f"say with which human: {text}/{other.humans[0]}"
+    circle = _circle(name, declared.experiments)
+    if circle:
+        yield f"goes round in a circle: {' -> '.join(circle)}"
+    start = declared.agents.get(agent)
+    for player in training.agents:
+        own = declared.agents.get(player)
+        if own is not None and start is not None and _kind(own) != _kind(start):
+            yield f"{agent} is of kind {_kind(start)}; {player}, of kind {_kind(own)}, can't go on from it"
+
+
+def _circle(name: str, experiments: Mapping[str, Any]) -> list[str]:
+    """The experiments from `name` back to it, each starting from the next; empty where it is in no circle."""
+    chain = [name]
+    while (start := getattr(experiments.get(chain[-1]), "start_from", None)) is not None:
+        chain.append(module(start).experiment)
+        if chain[-1] in chain[:-1]:
+            return chain if chain[-1] == name else []
+    return []
 
 
 def _module_human(text: str, human: str | None, experiment: Any) -> Iterator[str]:

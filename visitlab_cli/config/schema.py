@@ -1,14 +1,22 @@
 """The JSON Schema of a config file, for editors."""
 
+import json
 from typing import Any
 
 from visitlab_cli.config.like import LIKE, SECTIONS
 from visitlab_cli.config.model import Config
 
+DIALECT = "https://json-schema.org/draft/2020-12/schema"
+
+
+def schema_text() -> str:
+    """The schema as the text of configs/schema.json."""
+    return json.dumps({"$schema": DIALECT, "title": "A config of visitlab", **schema()}, indent=2) + "\n"
+
 
 def schema() -> dict[str, Any]:
     """Pydantic's schema, with `include` and `like`, which are resolved before validation."""
-    result = Config.model_json_schema()
+    result: dict[str, Any] = _without_titles(Config.model_json_schema())
     result["properties"]["include"] = {
         "description": "files, relative to this one, whose sections are merged into it",
         "type": "array",
@@ -17,11 +25,33 @@ def schema() -> dict[str, Any]:
     for section in SECTIONS:
         patterns = result["properties"][section]["patternProperties"]
         for pattern, entry in patterns.items():
-            like = {"type": "string", "description": f"the entry of {section} that this one starts from"}
-            other = {"type": "object", "properties": {LIKE: like}}
+            other = _starting_from_another(section, entry, result["$defs"])
             patterns[pattern] = {"if": {"required": [LIKE]}, "then": other, "else": entry}
     for section in ("humans", "agents", "experiments"):
         result["properties"][section]["additionalProperties"] = False  # what is no name
     result["required"] = ["name"]
     result["anyOf"] = [{"required": ["agents", "experiments"]}, {"required": ["include"]}]
     return result
+
+
+def _starting_from_another(section: str, entry: dict[str, Any], definitions: dict[str, Any]) -> dict[str, Any]:
+    """What an entry with `like` may have: any setting of its section, none of them required."""
+    members = [definitions[each["$ref"].rpartition("/")[2]] for each in entry.get("oneOf", [entry])]
+    properties: dict[str, Any] = {}
+    for member in members:
+        for name, setting in member["properties"].items():
+            known = properties.setdefault(name, {"anyOf": []})["anyOf"]
+            if setting not in known:
+                known.append(setting)
+    like = {"type": "string", "description": f"the entry of {section} that this one starts from"}
+    one_or_any = {name: each["anyOf"][0] if len(each["anyOf"]) == 1 else each for name, each in properties.items()}
+    return {"type": "object", "properties": {LIKE: like, **one_or_any}, "additionalProperties": False}
+
+
+def _without_titles(node: Any) -> Any:
+    """Pydantic's titles repeat the keys in other words, which an editor would show first."""
+    if isinstance(node, list):
+        return [_without_titles(each) for each in node]
+    if not isinstance(node, dict):
+        return node
+    return {key: _without_titles(value) for key, value in node.items() if key != "title" or not isinstance(value, str)}

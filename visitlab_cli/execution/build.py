@@ -33,7 +33,7 @@ class Simulation(NamedTuple):
 
 
 def build(cell: Cell, models: Mapping[str, Saved]) -> Simulation:
-    """The task and agent of a cell; a visit's from the arrays of its modules, by the module's name.
+    """The task and agent of a cell, from the arrays of the modules that it needs, by the module's name.
 
     Raises:
         RunError: a model does not have the shape that its task asks for.
@@ -50,7 +50,12 @@ def build(cell: Cell, models: Mapping[str, Saved]) -> Simulation:
     else:
         task = _social_task(cell, settings)
     parameters = cell.config.agents[cell.agent]
-    agent = parameters.create(_setting(cell, settings.steps))
+    setting = _setting(cell, settings.steps)
+    if cell.modules:
+        _check_tables(cell, models)
+        agent: Any = parameters.restore(setting, models[SOCIAL])
+    else:
+        agent = parameters.create(setting)
     return Simulation(task, agent, parameters, settings.steps, settings.steps // settings.trial_steps)
 
 
@@ -73,11 +78,15 @@ def _setting(cell: Cell, steps: int) -> Setting:
     return Setting(cell.task, size.n_states, size.n_actions, steps, cell.config.agents)
 
 
-def _build_visit(cell: Cell, settings: Visit, models: Mapping[str, Saved]) -> Simulation:
-    for module in (NAVIGATION, GO_TO_HUMAN, SOCIAL):
+def _check_tables(cell: Cell, models: Mapping[str, Saved]) -> None:
+    for module in cell.modules:
         shape, expected = models[module]["q"].shape, tuple(TASK_SIZES[module])
         if shape != expected:
             raise RunError(f"{cell.path}: the {module} model has a table of {shape}, not {expected}")
+
+
+def _build_visit(cell: Cell, settings: Visit, models: Mapping[str, Saved]) -> Simulation:
+    _check_tables(cell, models)
     world = make_visit_world(_human(cell), settings.goal_rooms, cell.config.interaction.distances)
     navigation, go_to_human = models[NAVIGATION]["q"], models[GO_TO_HUMAN]["q"]
     task = make_visit(world, navigation, go_to_human, settings.trial_steps, settings.social_reward)

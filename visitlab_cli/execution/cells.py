@@ -2,7 +2,6 @@
 
 import hashlib
 import json
-import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
@@ -19,7 +18,7 @@ class Cell:
     """One simulation: a pure function of its config and seeds.
 
     `path` is where it lies in the run folder and what names its random stream; `modules` are the paths of the
-    trained cells that a visit is assembled from, by the module's name.
+    trained cells that it needs, by the module's name: a visit's three, or the social one that a training starts from.
     """
 
     path: str
@@ -45,7 +44,14 @@ class Cell:
     @property
     def group(self) -> str:
         """What cells that differ in nothing but their seeds share: the path without model and seed."""
-        return re.sub(rf"(/{MODEL}\d+)?/{SEED}\d+$", "", self.path)
+        settings = self.settings
+        crossed = isinstance(settings, Visit) and settings.models == "crossed"
+        return self.path.rsplit("/", 2 if crossed else 1)[0]
+
+    @property
+    def trials(self) -> int:
+        """Trials of the whole cell."""
+        return self.steps // self.settings.trial_steps
 
     @property
     def steps(self) -> int:
@@ -56,22 +62,27 @@ class Cell:
 
 @dataclass(frozen=True)
 class Evaluation:
-    """Visits with options of their own, on the models of a run: what differs from the config."""
+    """Visits with options of their own, on the models of a run: what differs from the config.
+
+    `social` is the module, `experiment/agent/human`, that plays instead of the visit's own.
+    """
 
     humans: tuple[str, ...] = ()
     trials: int | None = None
     frozen: bool = False
+    social: str = ""
 
     @property
     def folder(self) -> str:
         """Where their cells lie in the run folder; empty where nothing differs."""
         if self == Evaluation():
             return ""
-        options = json.dumps([self.humans, self.trials, self.frozen])
-        return f"evaluations/{hashlib.sha256(options.encode()).hexdigest()[:8]}/"
+        options = [self.humans, self.trials, self.frozen, *([self.social] if self.social else [])]
+        return f"evaluations/{hashlib.sha256(json.dumps(options).encode()).hexdigest()[:8]}/"
 
 
 SEED, MODEL = "seed-", "model-"
+LONGEST_FOLDER_NAME = 200
 
 
 @dataclass(frozen=True)
@@ -88,11 +99,14 @@ class _Point:
         def matters(path: str) -> bool:
             return any(path == part or path.startswith(part + ".") for part in used)
 
-        return ",".join(name for path, name in self.labels.items() if matters(path))
+        joined = ",".join(name for path, name in self.labels.items() if matters(path))
+        if len(joined) <= LONGEST_FOLDER_NAME:
+            return joined
+        return f"vary-{hashlib.sha256(joined.encode()).hexdigest()[:8]}"
 
 
 def plan(config: Config, evaluation: Evaluation | None = None) -> list[Cell]:
-    """All cells of a config, trainings before the visits that need them; with `evaluation` only those visits."""
+    """All cells of a config, each after those that it needs; with `evaluation` only those visits."""
     cells: dict[str, Cell] = {}
     run_hash = config_hash(config)
     for variant in variants(config):
@@ -105,7 +119,14 @@ def plan(config: Config, evaluation: Evaluation | None = None) -> list[Cell]:
                 made = _trainings(point, name, settings) if evaluation is None else iter(())
             for cell in made:
                 cells.setdefault(cell.path, cell)
-    return sorted(cells.values(), key=lambda cell: isinstance(cell.settings, Visit))
+    return sorted(cells.values(), key=_rank)
+
+
+def _rank(cell: Cell) -> tuple[bool, int]:
+    """Trainings before visits; of trainings first those that start from no other."""
+    if isinstance(cell.settings, Visit):
+        return True, 0
+    return False, len(_chain(cell.config, Module(cell.experiment, cell.agent, cell.human)))
 
 
 def _seed(seed: int) -> str:
@@ -116,8 +137,18 @@ def _trainings(point: _Point, name: str, settings: Training) -> Iterator[Cell]:
     for agent in settings.agents:
         for human in settings.humans if isinstance(settings, SocialTraining) else ("",):
             for seed in range(point.config.seeds):
-                path = _training_path(point, Module(name, agent, human), seed)
-                yield Cell(path, point.config, point.run_hash, name, seed, agent, human)
+                training, *starts = _chain(point.config, Module(name, agent, human))
+                path = _training_path(point, training, seed)
+                needed = {SOCIAL: _training_path(point, starts[0], seed)} if starts else {}
+                yield Cell(path, point.config, point.run_hash, name, seed, agent, human, needed)
+
+
+def _chain(config: Config, training: Module) -> list[Module]:
+    """A training, the one that it starts from, and so on."""
+    chain = [training]
+    while (start := getattr(config.experiments[chain[-1].experiment], "start_from", None)) is not None:
+        chain.append(module(start))
+    return chain
 
 
 def _training_path(point: _Point, training: Module, seed: int) -> str:
@@ -129,8 +160,10 @@ def _visits(point: _Point, name: str, evaluation: Evaluation) -> Iterator[Cell]:
     config = point.config
     settings = config.experiments[name]
     assert isinstance(settings, Visit)
-    if evaluation.trials is not None:
-        settings = settings.model_copy(update={"trials": evaluation.trials})
+    if evaluation.trials is not None or evaluation.social:
+        trials = settings.trials if evaluation.trials is None else evaluation.trials
+        played = settings.modules.model_copy(update={"social": evaluation.social or settings.modules.social})
+        settings = settings.model_copy(update={"trials": trials, "modules": played})
         config = config.model_copy(update={"experiments": {**config.experiments, name: settings}})
     modules = {task: module(getattr(settings.modules, task)) for task in (NAVIGATION, GO_TO_HUMAN, SOCIAL)}
     for human in evaluation.humans or settings.humans:
@@ -157,6 +190,11 @@ INTERACTION = "interaction"
 
 def _used_by_training(config: Config, training: Module) -> set[str]:
     """The parts of the config that a training's result depends on, as dotted paths."""
+    return set().union(*(_used_alone(config, each) for each in _chain(config, training)))
+
+
+def _used_alone(config: Config, training: Module) -> set[str]:
+    """Those without the training that it starts from."""
     parameters = config.agents[training.agent]
     agents = {training.agent, *(getattr(parameters, reference) for reference in parameters.references)}
     used = {f"experiments.{training.experiment}", *(f"agents.{each}" for each in agents), *EVERY_CELL}

@@ -1,12 +1,15 @@
 """Compiling before the workers start, once, and saying so; a damaged cache is thrown away and made anew."""
 
+import contextlib
 import shutil
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from visitlab_cli.agents.base import AgentParameters, Saved, Setting
 from visitlab_cli.compiled import JIT_DISABLED, cache_folder
+from visitlab_cli.config.experiments import Visit
 from visitlab_cli.errors import VisitlabError
 from visitlab_cli.execution.build import Simulation, build
 from visitlab_cli.execution.cell_runner import simulate
@@ -44,13 +47,15 @@ def warm_up(cells: Sequence[Cell], say: Callable[[str], None]) -> None:
             folder.mkdir(mode=0o700, parents=True, exist_ok=True)
             _play_one_step(cell)
         if marker is not None:
-            marker.touch()
+            with contextlib.suppress(OSError):
+                marker.touch()
 
 
 def _pair(cell: Cell) -> str:
     """A name for what decides the types that the loop is compiled for."""
     agent = cell.config.agents[cell.agent]
-    kinds = [cell.task, agent.kind, "frozen" if cell.frozen else ""]
+    started = bool(cell.modules) and cell.task != VISIT  # an observer that goes on is of another type
+    kinds = [cell.task, agent.kind, "frozen" if cell.frozen else "", "started" if started else ""]
     watches = getattr(agent, "watches", None)
     if watches is not None:
         kinds.append(cell.config.agents[watches].kind)
@@ -67,8 +72,11 @@ def _forget(columns: StepColumns, rows: int) -> None:
 
 
 def _one_step(cell: Cell) -> Simulation:
-    simulation = build(cell, _empty_models(cell) if cell.task == VISIT else {})
-    return simulation._replace(steps=1, trials=1)
+    settings = cell.settings
+    one_trial = {"trials": 1} if isinstance(settings, Visit) else {"steps": settings.trial_steps}
+    experiments = {**cell.config.experiments, cell.experiment: settings.model_copy(update=one_trial)}
+    short = replace(cell, config=cell.config.model_copy(update={"experiments": experiments}))
+    return build(short, _empty_models(cell) if cell.modules else {})._replace(steps=1)
 
 
 def _empty_models(cell: Cell) -> dict[str, Saved]:

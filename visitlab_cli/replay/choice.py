@@ -6,17 +6,18 @@ from pathlib import Path
 
 import numpy as np
 
-from visitlab_cli.config.problems import or_else
+from visitlab_cli.config.problems import or_else, printable
 from visitlab_cli.errors import NotFoundError, UsageError
 from visitlab_cli.execution.cells import Cell, plan
 from visitlab_cli.recording.reader import read_steps, trials
-from visitlab_cli.storage.cell_folder import STEPS, read_cell
+from visitlab_cli.storage.cell_folder import STEPS, read_cell, reason
 from visitlab_cli.storage.run_folder import find_run, read_config
 from visitlab_cli.world.columns import VISIT
 from visitlab_cli.world.enums import InteractionLevel
 
 BEST, WORST, MEDIAN, LONGEST_ENGAGEMENT = SELECTORS = ("best", "worst", "median", "longest-engagement")
 MOST_NAMED = 3
+MOST_DIGITS = 9
 
 
 @dataclass(frozen=True)
@@ -59,11 +60,15 @@ def find_log(word: str, out: Path, selection: Selection) -> Log:
         UsageError: a selection within a file.
     """
     file = Path(word)
-    if file.is_file() or file.suffix == ".mcap":
+    try:
+        is_file = file.is_file()
+    except (OSError, ValueError) as error:
+        raise NotFoundError(f"{printable(word)}: {reason(error)}") from None
+    if is_file or file.suffix == ".mcap":
         if str(selection):
-            raise UsageError(f"{word}: is one log; {selection} choose within a run")
-        if not file.is_file():
-            raise NotFoundError(f"{word}: no such file")
+            raise UsageError(f"{printable(word)}: is one log; {selection} choose within a run")
+        if not is_file:
+            raise NotFoundError(f"{printable(word)}: no such file")
         return Log(file, str(file))
     run = find_run(word, out)
     chosen, *others = _done(run, _wanted(run, selection))
@@ -93,7 +98,9 @@ def _done(run: Path, cells: Sequence[Cell]) -> list[Cell]:
     done = [cell for cell in cells if read_cell(run / cell.path) is not None]
     if not done:
         missing = _named([cell.path for cell in cells])
-        raise NotFoundError(f"{run}: not run yet: {missing}; finish with visitlab run {run}/config.yaml")
+        raise NotFoundError(
+            f"{run}: not run yet: {missing}; finish with visitlab run {run}/config.yaml --out {run.parent}"
+        )
     return done
 
 
@@ -114,9 +121,11 @@ def choose_trial(path: Path, word: str) -> int:
         RunError: the log is damaged.
     """
     if word.isdecimal():
+        if len(word) > MOST_DIGITS:
+            raise NotFoundError(f"{path}: no log has a trial of that number")
         return int(word)
     if word not in SELECTORS:
-        raise UsageError(f"--trial {word}: must be a number or one of {', '.join(SELECTORS)}")
+        raise UsageError(f"--trial {printable(word)}: must be a number or one of {', '.join(SELECTORS)}")
     table = trials(path)
     numbers = table["trial"]
     if not len(numbers):

@@ -8,9 +8,22 @@ from typing import TYPE_CHECKING, Any
 from visitlab_cli.errors import RunError, UsageError
 from visitlab_cli.replay import panel
 from visitlab_cli.replay.blueprint import view_of
+from visitlab_cli.replay.lab import GOAL_FLOOR, REACHED_FLOOR
 from visitlab_cli.replay.recording import write_whole
 from visitlab_cli.replay.trial import Trial
-from visitlab_cli.story import LEVEL_NAMES, action_name, direction_name, moments, strip_steps
+from visitlab_cli.story import (
+    DESIRED,
+    FACING_FIELD,
+    HUMAN,
+    LEVEL_NAMES,
+    ROBOT,
+    VISUAL_FIELD,
+    action_name,
+    direction_name,
+    moments,
+    strip_steps,
+)
+from visitlab_cli.world.columns import VISIT
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -18,6 +31,8 @@ if TYPE_CHECKING:
 COLUMNS = 4
 PANEL, TITLE, GAP = 1.72, 0.3, 0.06
 """In inches: the side of a panel, the height of its title, what lies between; four fill a page of two columns."""
+KEY_LINE, KEY_ENTRY = 0.2, 0.9
+"""In inches: what explaining a colour takes, below the panels."""
 FONT_SIZE = 6.5
 PIXELS_PER_INCH = 300
 FORMATS: dict[str, dict[str, Any]] = {".png": {}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
@@ -53,10 +68,15 @@ def draw_strip(trial: Trial, steps: Sequence[int]) -> "Figure":
 
     columns = min(COLUMNS, len(steps))
     rows = -(-len(steps) // columns)
-    width, height = columns * (PANEL + GAP) + GAP, rows * (PANEL + TITLE + GAP) + GAP
+    width = columns * (PANEL + GAP) + GAP
+    handles = _key(trial)
+    entries = min(len(handles), int(width / KEY_ENTRY))
+    key = KEY_LINE * -(-len(handles) // entries)
+    height = rows * (PANEL + TITLE + GAP) + GAP + key
     figure = Figure(figsize=(width, height))
     grid = figure.subplots(rows, columns, squeeze=False)
-    figure.subplots_adjust(left=GAP / width, right=1 - GAP / width, top=1 - (TITLE + GAP) / height, bottom=GAP / height)
+    top, bottom = 1 - (TITLE + GAP) / height, (GAP + key) / height
+    figure.subplots_adjust(left=GAP / width, right=1 - GAP / width, top=top, bottom=bottom)
     figure.subplots_adjust(wspace=GAP / PANEL, hspace=(TITLE + GAP) / PANEL)
     x_range, y_range = view_of(trial)
     for axes in grid.flat[len(steps) :]:
@@ -69,7 +89,31 @@ def draw_strip(trial: Trial, steps: Sequence[int]) -> "Figure":
         axes.text(0.97, 0.03, kinds, transform=axes.transAxes, ha="right", weight="bold", zorder=7)
         title, below = _title(trial, step)
         axes.set_title(f"{title}\n{below}", fontsize=FONT_SIZE, loc="left", pad=2.5, linespacing=1.15)
+    spacing: Any = {"handlelength": 1.2, "handletextpad": 0.4, "columnspacing": 1.2, "borderaxespad": 0.1}
+    figure.legend(handles=handles, loc="lower center", ncols=entries, frameon=False, fontsize=FONT_SIZE, **spacing)
     return figure
+
+
+def _key(trial: Trial) -> list[Any]:
+    """What the colours are, as far as the trial has them."""
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+
+    body: Any = {"linestyle": "", "markersize": 4.6, "markeredgecolor": "k", "markeredgewidth": 0.4}
+    handles: list[Any] = [Line2D([], [], marker="s", color=panel.rgb(ROBOT), label="robot", **body)]
+    if trial.has_human:
+        handles += [
+            Line2D([], [], marker="o", color=panel.rgb(HUMAN), label="human", **body),
+            Patch(facecolor=panel.rgb(VISUAL_FIELD), alpha=panel.NEAR_ALPHA, label="the human sees"),
+            Patch(facecolor=panel.rgb(FACING_FIELD), alpha=panel.NEAR_ALPHA, label="it faces"),
+        ]
+    if trial.has_engagement:
+        handles.append(Line2D([], [], color=panel.rgb(DESIRED), linewidth=1.6, label="desired direction"))
+    if trial.has_goal:
+        handles.append(Patch(facecolor=panel.rgb(GOAL_FLOOR), label="goal"))
+    if trial.task == VISIT:
+        handles.append(Patch(facecolor=panel.rgb(REACHED_FLOOR), label="just reached"))
+    return handles
 
 
 def _title(trial: Trial, step: int) -> tuple[str, str]:

@@ -10,6 +10,7 @@ import numpy.typing as npt
 from visitlab_cli.errors import NotFoundError, RunError
 
 Arrays = dict[str, npt.NDArray[Any]]
+MENDED = "visitlab runs verify RUN sets it aside, and running again mends it"
 LARGEST_ARRAY = 4 * 2**30  # bytes that a model's file may claim for one array
 
 
@@ -38,7 +39,7 @@ def read_model(file: Path) -> Arrays:
     except FileNotFoundError:
         raise NotFoundError(f"{file}: no such model") from None
     except (OSError, ValueError, EOFError, zipfile.BadZipFile) as error:
-        raise RunError(f"{file}: damaged: {error}") from error
+        raise RunError(f"{file}: damaged: {error}; {MENDED}") from error
 
 
 def write_trials(file: Path, trial_rewards: npt.NDArray[np.float64], with_goals: bool) -> None:
@@ -77,5 +78,5 @@ def read_trials(file: Path) -> Arrays:
     except FileNotFoundError:
         raise NotFoundError(f"{file}: no such table of trials") from None
     except (OSError, pyarrow.ArrowException) as error:
-        raise RunError(f"{file}: damaged: {str(error).splitlines()[0]}") from error
+        raise RunError(f"{file}: damaged: {str(error).splitlines()[0]}; {MENDED}") from error
     return {name: table.column(name).to_numpy() for name in table.column_names}

@@ -18,6 +18,17 @@ from typing import Any, Self
 from visitlab_cli.errors import RunError
 
 CELL_FORMAT = 1
+FACTS: dict[str, type | tuple[type, ...]] = {
+    "cell": str,
+    "seed": int,
+    "steps": int,
+    "trials": int,
+    "mean_reward_last_hundredth": (int, float),
+    "mean_reward_last_tenth": (int, float),
+    "config_hash": str,
+    "versions": dict,
+}
+"""What `cell.json` says beside `format` and `files`."""
 STEPS, TRIALS, MODEL, CELL, TIMING = "steps.mcap", "trials.parquet", "model.npz", "cell.json", "timing.json"
 TEMPORARY = ".tmp-"
 
@@ -25,6 +36,11 @@ TEMPORARY = ".tmp-"
 def one_line(error: OSError) -> str:
     """What went wrong, as the system puts it, without a number."""
     return error.strerror or str(error)
+
+
+def reason(error: OSError | ValueError) -> str:
+    """Why a file can't be reached: the system's word, or that a name can't be one."""
+    return one_line(error) if isinstance(error, OSError) else str(error)
 
 
 def to_json(document: Any) -> str:
@@ -118,7 +134,8 @@ def read_cell(place: Path) -> dict[str, Any] | None:
             return None
         sizes = {name: (place / name).stat().st_size for name in cell["files"]}
         whole = all(sizes[name] == facts["size"] for name, facts in cell["files"].items())
-    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        whole = whole and all(isinstance(cell[name], kind) for name, kind in FACTS.items())
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return None
     return cell if whole else None
 
@@ -132,7 +149,8 @@ def remove_leftovers(run: Path) -> None:
             continue
         try:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            shutil.rmtree(folder, ignore_errors=True)
+            if folder.is_dir():
+                shutil.rmtree(folder, ignore_errors=True)
         except BlockingIOError:
             pass
         finally:

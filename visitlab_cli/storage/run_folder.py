@@ -2,44 +2,56 @@
 
 import json
 import os
+import re
 import uuid
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
-from visitlab_cli.config.canonical import canonical, canonical_json, config_hash, dump_yaml
+from visitlab_cli.config.canonical import canonical_json, config_hash, dump_yaml, hashed
 from visitlab_cli.config.loading import load
 from visitlab_cli.config.model import Config
+from visitlab_cli.config.problems import printable
 from visitlab_cli.errors import ConfigError, NotFoundError, RunError, UsageError
-from visitlab_cli.storage.cell_folder import one_line, sync, to_json, write_durably
+from visitlab_cli.storage.cell_folder import one_line, reason, sync, to_json, write_durably
+from visitlab_cli.storage.differences import differences, in_words
 
 CONFIG, VERSIONS = "config.yaml", "versions.json"
 LATEST = "latest"
-MOST_DIFFERENCES = 5
+
+
+def run_name(config: Config) -> str:
+    """The name of the folder of a config's run."""
+    return f"{config.name}-{config_hash(config)}"
 
 
 def open_run(out: Path, config: Config, versions: Mapping[str, str]) -> tuple[Path, Config]:
     """The run folder of `config` below `out`, made if it is not there, and the config it now stands for.
 
-    More seeds than before are written to its `config.yaml`; fewer leave it as it is.
+    More seeds than before, and other expected values, are written to its `config.yaml`; fewer leave it as it is.
 
     Raises:
         RunError: the folder can't be written, or its own config was edited.
     """
-    run = out / f"{config.name}-{config_hash(config)}"
+    run = out / run_name(config)
     try:
         if not (run / CONFIG).exists():
             run.mkdir(parents=True, exist_ok=True)
             _replace(run / VERSIONS, to_json(dict(versions)))
             _replace(run / CONFIG, dump_yaml(config))
             return run, config
+        if not (run / VERSIONS).exists():
+            _replace(run / VERSIONS, to_json(dict(versions)))  # `runs verify` set a damaged one aside
         stored = read_config(run)
         if canonical_json(stored) != canonical_json(config):
             raise RunError(
-                f"{run / CONFIG}: was edited: {_differences(config, stored)}; restore it, or move the run away"
+                f"{run / CONFIG}: was edited: {in_words(differences(hashed(config), hashed(stored)))}; "
+                "restore it, or move the run away"
             )
-        if config.seeds > stored.seeds:
-            _replace(run / CONFIG, dump_yaml(config))
+        now = config.model_copy(
+            update={"seeds": max(config.seeds, stored.seeds), "expected": config.expected or stored.expected}
+        )
+        if now != stored:
+            _replace(run / CONFIG, dump_yaml(now))
     except OSError as error:
         raise RunError(f"{run}: can't be written: {one_line(error)}") from error
     return run, config
@@ -60,32 +72,32 @@ def read_config(run: Path) -> Config:
         raise RunError(f"{str(error).splitlines()[0]} (the run's own config was edited)") from error
 
 
+def read_versions(run: Path) -> dict[str, str]:
+    """The versions that a run was begun with, by name.
+
+    Raises:
+        RunError: their file is missing or damaged.
+    """
+    file = run / VERSIONS
+    try:
+        versions = json.loads(file.read_bytes())
+    except FileNotFoundError:
+        raise RunError(f"{file}: missing; running again writes it") from None
+    except (OSError, ValueError, RecursionError):
+        versions = None
+    if not isinstance(versions, dict) or not all(isinstance(value, str) for value in versions.values()):
+        raise RunError(f"{file}: damaged; delete it, and running again writes it")
+    return versions
+
+
 def _replace(file: Path, text: str) -> None:
     beside = file.with_name(f".tmp-{file.name}-{uuid.uuid4().hex[:8]}")
-    write_durably(beside, text)
-    os.replace(beside, file)
+    try:
+        write_durably(beside, text)
+        os.replace(beside, file)
+    finally:
+        beside.unlink(missing_ok=True)
     sync(file.parent)
-
-
-def _differences(config: Config, other: Config) -> str:
-    ours, theirs = _flat(canonical(config)), _flat(canonical(other))
-    paths = [path for path in sorted(ours | theirs) if ours.get(path) != theirs.get(path)]
-    told = [f"{path} is {_shown(theirs, path)}, not {_shown(ours, path)}" for path in paths[:MOST_DIFFERENCES]]
-    return ", ".join(told) + (f" and {len(paths) - len(told)} more" if len(paths) > len(told) else "")
-
-
-def _shown(flat: dict[str, Any], path: str) -> str:
-    return json.dumps(flat[path]) if path in flat else "missing"
-
-
-def _flat(plain: Any, path: str = "") -> dict[str, Any]:
-    if not isinstance(plain, dict):
-        return {path: plain}
-    return {
-        where: value
-        for key, inner in plain.items()
-        for where, value in _flat(inner, f"{path}.{key}" if path else key).items()
-    }
 
 
 def find_run(word: str, out: Path) -> Path:
@@ -95,19 +107,27 @@ def find_run(word: str, out: Path) -> Path:
         NotFoundError: there is none.
         UsageError: several begin so.
     """
-    for path in (Path(word), out / word):
-        if (path / CONFIG).is_file():
-            return path
+    shown = printable(word)
+    if not word:
+        raise NotFoundError("no run is called ''")
+    try:
+        for path in (Path(word), out / word):
+            if (path / CONFIG).is_file():
+                return path
+    except (OSError, ValueError) as error:
+        raise NotFoundError(f"{shown}: {reason(error)}") from None
     runs = all_runs(out)
     if word == LATEST and runs:
         return max(runs, key=lambda run: run.stat().st_mtime)
     near = [run for run in runs if run.name.startswith(word)]
+    same_name = [run for run in near if re.fullmatch(r"-[0-9a-f]{8}", run.name.removeprefix(word))]
+    near = same_name or near
     if len(near) == 1:
         return near[0]
     if near:
-        raise UsageError(f"{word}: several runs begin so: {', '.join(run.name for run in near)}")
+        raise UsageError(f"{shown}: several runs begin so: {', '.join(run.name for run in near)}")
     known = f"; there are {', '.join(run.name for run in runs)}" if runs else ""
-    raise NotFoundError(f"{word}: no such run in {out}{known}")
+    raise NotFoundError(f"{shown}: no such run in {out}{known}")
 
 
 def all_runs(out: Path) -> list[Path]:

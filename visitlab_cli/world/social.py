@@ -1,4 +1,4 @@
-"""The task `social`: win the human's attention and make it move in the desired direction (paper, sections 3.3 and 5)."""
+"""The task `social`: win the human's attention and make it move in the desired direction (paper, section 3.3)."""
 
 from collections.abc import Sequence
 from typing import NamedTuple

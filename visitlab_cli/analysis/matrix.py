@@ -1,0 +1,138 @@
+"""Every trained human against every human: the visits of such a matrix, and the goals that they reached.
+
+A row is a human that the visit's social module was trained with, a column one that it then leads; each pair is
+played frozen (no learning, no exploration) and adapting (it goes on learning), with the visit's own navigation and
+go_to_human modules. This is the question of the paper's sections 2.3 and 5.3.
+"""
+
+from collections.abc import Mapping, Sequence
+from itertools import product
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from visitlab_cli.analysis.summary_estimate import Estimate, mean_of
+from visitlab_cli.analysis.summary_groups import unit_of
+from visitlab_cli.config.experiments import SocialTraining, Visit
+from visitlab_cli.config.model import Config
+from visitlab_cli.config.names import module
+from visitlab_cli.execution.cells import Cell, Evaluation, plan
+from visitlab_cli.storage.arrays import read_trials
+from visitlab_cli.storage.cell_folder import TRIALS, read_cell
+
+FROZEN, ADAPTING = "frozen", "adapting"
+MODES = (FROZEN, ADAPTING)
+
+
+class Pairing(NamedTuple):
+    """The human trained with, the human met, and how: `frozen` or `adapting`."""
+
+    trained: str
+    met: str
+    mode: str
+
+
+Planned = dict[Pairing, list[Cell]]
+
+
+class Goals(NamedTuple):
+    """Goals a trial, mean over `n` independent sets of modules; None where no cell is done.
+
+    Frozen, all trials are alike and count; adapting, the last tenth does.
+    """
+
+    value: Estimate | None
+    n: int
+
+    def as_json(self) -> dict[str, Any]:
+        """Plain values."""
+        return {**(self.value.as_json() if self.value else {"mean": None, "interval": None}), "n": self.n}
+
+
+class Matrix(NamedTuple):
+    """`visit` is the experiment, `social` the `experiment/agent` of its social module."""
+
+    visit: str
+    social: str
+    trials: int
+    goals: dict[Pairing, Goals]
+
+    @property
+    def trained(self) -> list[str]:
+        """The rows."""
+        return list(dict.fromkeys(pairing.trained for pairing in self.goals))
+
+    @property
+    def met(self) -> list[str]:
+        """The columns."""
+        return list(dict.fromkeys(pairing.met for pairing in self.goals))
+
+    @property
+    def seeds(self) -> tuple[int, int]:
+        """The fewest and the most independent sets of modules behind a mean."""
+        counts = [goals.n for goals in self.goals.values()]
+        return min(counts), max(counts)
+
+    def as_json(self) -> dict[str, Any]:
+        """Plain values."""
+        return {
+            "visit": self.visit,
+            "social": self.social,
+            "trials": self.trials,
+            "measure": {FROZEN: "goals a trial", ADAPTING: "goals a trial, last tenth"},
+            "trained_with": self.trained,
+            "humans": self.met,
+            "goals": [
+                {"trained_with": pairing.trained, "human": pairing.met, "mode": pairing.mode, **goals.as_json()}
+                for pairing, goals in self.goals.items()
+            ],
+        }
+
+
+def plan_matrix(config: Config, visit: str, humans: Sequence[str] = (), trials: int | None = None) -> Planned:
+    """The visits of a matrix, which lie below `evaluations/`; those that the config itself plans, where they lie.
+
+    Args:
+        config: a config that does not vary.
+        visit: the experiment whose modules and options play.
+        humans: those that are met; none for all that the config declares.
+        trials: of each visit; None for as many as it has.
+    """
+    settings = config.experiments[visit]
+    assert isinstance(settings, Visit)
+    own = module(settings.modules.social)
+    training = config.experiments[own.experiment]
+    assert isinstance(training, SocialTraining)
+    planned: Planned = {}
+    for trained, met, mode in product(training.humans, humans or config.humans, MODES):
+        social = "" if trained == own.human else "/".join((own.experiment, own.agent, trained))
+        as_declared = not social and met in settings.humans and mode == ADAPTING and trials in (None, settings.trials)
+        options = Evaluation() if as_declared else Evaluation((met,), trials, mode == FROZEN, social)
+        cells = plan(config, options)
+        planned[Pairing(trained, met, mode)] = [c for c in cells if (c.experiment, c.human) == (visit, met)]
+    return planned
+
+
+def matrix_of(run: Path, planned: Mapping[Pairing, Sequence[Cell]]) -> Matrix:
+    """What the finished cells of a plan reached.
+
+    Raises:
+        RunError: a table of trials is damaged.
+    """
+    some = next(iter(planned.values()))[0]
+    settings = some.settings
+    assert isinstance(settings, Visit)
+    social = module(settings.modules.social)
+    goals = {pairing: _goals(run, cells, pairing.mode) for pairing, cells in planned.items()}
+    return Matrix(some.experiment, f"{social.experiment}/{social.agent}", settings.trials, goals)
+
+
+def _goals(run: Path, cells: Sequence[Cell], mode: str) -> Goals:
+    of_unit: dict[str, list[float]] = {}
+    for cell in cells:
+        facts = read_cell(run / cell.path)
+        if facts is not None:
+            whole = mode == FROZEN
+            value = read_trials(run / cell.path / TRIALS)["reward"].mean() if whole else facts["mean_reward_last_tenth"]
+            of_unit.setdefault(unit_of(cell), []).append(float(value))
+    values = [sum(each) / len(each) for each in of_unit.values()]
+    return Goals(mean_of(values) if values else None, len(values))

@@ -1,0 +1,50 @@
+"""A mean with its 95% interval: Student's t, which is right for few seeds and the normal for many."""
+
+import math
+from collections.abc import Sequence
+from statistics import fmean
+from typing import Any, NamedTuple
+
+from visitlab_cli.analysis.intervals import deviation, t_quantile
+
+
+class Estimate(NamedTuple):
+    """A mean and half the width of its interval, nan where fewer than two values leave it open."""
+
+    mean: float
+    half: float
+
+    def as_json(self) -> dict[str, Any]:
+        """The mean, and the interval's ends or null."""
+        known = not math.isnan(self.half)
+        return {"mean": self.mean, "interval": [self.mean - self.half, self.mean + self.half] if known else None}
+
+
+def mean_of(values: Sequence[float]) -> Estimate:
+    """The mean of independent values, at least one."""
+    n = len(values)
+    half = t_quantile(n - 1) * deviation(values) / math.sqrt(n) if n > 1 else math.nan
+    return Estimate(fmean(values), half)
+
+
+def difference_of(first: Sequence[float], second: Sequence[float]) -> Estimate:
+    """The mean of `second` less that of `first`, all values independent (Welch 1947).
+
+    The degrees of freedom are rounded down, which makes the interval a little too wide rather than too narrow.
+    """
+    difference = fmean(second) - fmean(first)
+    if min(len(first), len(second)) < 2:
+        return Estimate(difference, math.nan)
+    parts = [deviation(values) ** 2 / len(values) for values in (first, second)]
+    if sum(parts) == 0.0:
+        return Estimate(difference, 0.0)
+    degrees = sum(parts) ** 2 / sum(
+        part**2 / (len(values) - 1) for part, values in zip(parts, (first, second), strict=True)
+    )
+    return Estimate(difference, t_quantile(int(degrees + 1e-9)) * math.sqrt(sum(parts)))
+
+
+def probability_of_improvement(first: Sequence[float], second: Sequence[float]) -> float:
+    """P(a seed of `second` is better than one of `first`), a tie counting half: Mann and Whitney's U, scaled."""
+    wins = sum((b > a) + 0.5 * (b == a) for a in first for b in second)
+    return wins / (len(first) * len(second))

@@ -1,0 +1,63 @@
+"""The cells of a run in groups that differ in nothing but their seeds, and what each independent seed reached.
+
+Independent is a training, or in a visit the trained modules: visits of the same modules are averaged, so that
+crossed models do not pretend to be more seeds than were trained.
+"""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+from visitlab_cli.execution.cells import Cell
+from visitlab_cli.storage.cell_folder import read_cell
+from visitlab_cli.world.columns import VISIT
+
+Point = tuple[tuple[str, str], ...]
+"""The values of a point of the grid by their paths, as far as they matter to a cell, as its folder names them."""
+
+
+class Group(NamedTuple):
+    """Cells of the same experiment, agent, human and point of the grid; `path` is what their paths share."""
+
+    path: str
+    experiment: str
+    agent: str
+    human: str
+    point: Point
+    cells: list[Cell]
+
+    @property
+    def measure(self) -> str:
+        """What a trial's reward is."""
+        return "goals a trial" if self.cells[0].task == VISIT else "reward a trial"
+
+
+def groups_of(cells: Sequence[Cell]) -> list[Group]:
+    """The groups in the order of their first cells."""
+    found: dict[str, Group] = {}
+    for cell in cells:
+        group = Group(cell.group, cell.experiment, cell.agent, cell.human, point_of(cell), [])
+        found.setdefault(cell.group, group).cells.append(cell)
+    return list(found.values())
+
+
+def point_of(cell: Cell) -> Point:
+    """Where a cell lies in the grid, read from its path (no other name may hold an equals sign)."""
+    labels = [part for part in cell.group.split("/") if "=" in part]
+    pairs = (label.partition("=") for label in labels[0].split(",")) if labels else ()
+    return tuple((path, value) for path, _, value in pairs)
+
+
+def unit_of(cell: Cell) -> str:
+    """What names the independent seed that a cell belongs to: its own path, or those of a visit's modules."""
+    return " ".join(cell.modules.values()) or cell.path
+
+
+def unit_values(run: Path, cells: Sequence[Cell]) -> dict[str, float]:
+    """The mean of the last tenth of trials that each independent seed reached, by `unit_of`; finished cells only."""
+    found: dict[str, list[float]] = {}
+    for cell in cells:
+        facts = read_cell(run / cell.path)
+        if facts is not None:
+            found.setdefault(unit_of(cell), []).append(facts["mean_reward_last_tenth"])
+    return {unit: sum(values) / len(values) for unit, values in found.items()}

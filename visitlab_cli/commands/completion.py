@@ -1,0 +1,82 @@
+"""What the shell completes: configs, runs, humans, agents. Only names of files are read, and a run's own config.
+
+A run's config.yaml is as `dump_yaml` writes it: its sections' names stand at the margin, their entries two spaces in.
+"""
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import typer
+
+PACKAGE = Path(__file__).parent.parent
+LATEST = "latest"
+NAMED = re.compile(r"^name:", re.MULTILINE)
+ENTRY = re.compile(r"  ([A-Za-z0-9][A-Za-z0-9._-]*):")
+
+
+def _beginning(names: list[str], incomplete: str) -> list[str]:
+    return [name for name in names if name.startswith(incomplete)]
+
+
+def shipped(incomplete: str) -> list[str]:
+    """The shipped configs; those in a folder once the word has come that far."""
+    in_wheel = PACKAGE / "shipped_configs"
+    folder = in_wheel if in_wheel.is_dir() else PACKAGE.parent / "configs"
+    files = sorted(folder.glob("*/" * incomplete.count("/") + "*.yaml"))
+    whole = [file for file in files if NAMED.search(file.read_text(encoding="utf-8"))]
+    return _beginning([file.relative_to(folder).with_suffix("").as_posix() for file in whole], incomplete)
+
+
+def configs(incomplete: str) -> list[str]:
+    """The shipped configs, then files and folders that the word may become."""
+    folder = incomplete.rpartition("/")[0]
+    found = sorted(Path(folder or ("/" if incomplete.startswith("/") else ".")).glob("*"))
+    paths = [f"{path}/" if path.is_dir() else str(path) for path in found if _may_hold_config(path)]
+    return shipped(incomplete) + _beginning(paths, incomplete)
+
+
+def _may_hold_config(path: Path) -> bool:
+    return not path.name.startswith(".") and (path.is_dir() or path.suffix in (".yaml", ".yml"))
+
+
+def runs(ctx: typer.Context, incomplete: str) -> list[str]:
+    """The runs in the folder of all runs, and `latest`."""
+    return _beginning([run.name for run in _all_runs(ctx)] + [LATEST], incomplete)
+
+
+def humans(ctx: typer.Context, incomplete: str) -> list[str]:
+    """The humans of the run that the command names."""
+    return _beginning(_declared(ctx, "humans"), incomplete)
+
+
+def agents(ctx: typer.Context, incomplete: str) -> list[str]:
+    """The agents of the run that the command names."""
+    return _beginning(_declared(ctx, "agents"), incomplete)
+
+
+def experiments(ctx: typer.Context, incomplete: str) -> list[str]:
+    """The experiments of the run that the command names."""
+    return _beginning(_declared(ctx, "experiments"), incomplete)
+
+
+def _all_runs(ctx: typer.Context) -> list[Path]:
+    return sorted(file.parent for file in Path(ctx.params.get("out") or "runs").glob("*/config.yaml"))
+
+
+def _declared(ctx: typer.Context, section: str) -> list[str]:
+    word = str(ctx.params.get("run") or next(iter(ctx.args), ""))  # what an unfinished line leaves unparsed
+    fitting = [Path(word)] + [run for run in _all_runs(ctx) if word == LATEST or run.name.startswith(word)]
+    for run in fitting:
+        if word and (run / "config.yaml").is_file():
+            return list(_entries(run / "config.yaml", section))
+    return []
+
+
+def _entries(config: Path, section: str) -> Iterator[str]:
+    inside = False
+    for line in config.read_text(encoding="utf-8", errors="replace").splitlines():
+        if not line.startswith(" "):
+            inside = line.startswith(f"{section}:")
+        elif inside and (entry := ENTRY.match(line)):
+            yield entry[1]

@@ -1,0 +1,109 @@
+"""`visitlab doctor`: what this installation and machine can do, and what to do about what they can't."""
+
+import json
+import os
+import shutil
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Literal, NamedTuple
+
+import typer
+
+from visitlab_cli.commands.options import RUNS, Json, Out
+
+PACKAGES = ("numpy", "numba", "pydantic", "pyarrow", "mcap", "protobuf", "matplotlib", "rerun-sdk")
+MODULE_OF = {"rerun-sdk": "rerun", "protobuf": "google.protobuf"}
+LITTLE_SPACE = 2e9  # bytes; quickstart takes 50 MB, the paper's runs with every step 5 GB
+
+
+class Finding(NamedTuple):
+    """One line: what was looked at, what was found, whether it is `ok`, only worth a `note`, or a `problem`."""
+
+    name: str
+    value: str
+    state: Literal["ok", "note", "problem"] = "ok"
+
+
+def command(out: Out = RUNS, as_json: Json = False) -> None:
+    """Look at versions, cores, the cache, the disk, and whether Rerun can open a window here.
+
+    Exits with 4 if something is in the way of a run; a note is about what works otherwise only.
+    """
+    from visitlab_cli.errors import RunError
+
+    findings = [finding for look in LOOKS for finding in look(out)]
+    if as_json:
+        typer.echo(json.dumps([finding._asdict() for finding in findings], indent=2))
+    else:
+        width = max(len(finding.name) for finding in findings)
+        for finding in findings:
+            mark = "" if finding.state == "ok" else f"{finding.state}: "
+            typer.echo(f"{finding.name:{width}}  {mark}{finding.value}")
+    if problems := [finding.name for finding in findings if finding.state == "problem"]:
+        raise RunError(f"in the way of a run: {', '.join(problems)}")
+
+
+def _versions(out: Path) -> Iterator[Finding]:
+    import platform
+    from importlib import import_module
+    from importlib.metadata import PackageNotFoundError, version
+
+    from visitlab_cli import __version__
+
+    yield Finding("visitlab", __version__)
+    yield Finding("python", f"{platform.python_version()} on {platform.system()} {platform.machine()}")
+    for package in PACKAGES:
+        try:
+            import_module(MODULE_OF.get(package, package))
+            yield Finding(package, version(package))
+        except (ImportError, OSError, PackageNotFoundError) as error:
+            yield Finding(package, f"can't be imported: {str(error).splitlines()[0]}; install it anew", "problem")
+
+
+def _cores(out: Path) -> Iterator[Finding]:
+    from visitlab_cli.commands.running import cores
+
+    here, there = cores(), os.cpu_count() or 1
+    yield Finding("cores", f"{here}" if here == there else f"{here} of the machine's {there}")
+
+
+def _cache(out: Path) -> Iterator[Finding]:
+    try:
+        from visitlab_cli.compiled import JIT_DISABLED, cache_folder
+    except Exception:
+        return  # numba's own line says it
+    folder = cache_folder()
+    if JIT_DISABLED:
+        yield Finding("compiler", "switched off by NUMBA_DISABLE_JIT: a hundred times slower", "note")
+    elif folder is None:
+        advice = "every command compiles anew, ten seconds; set VISITLAB_CACHE to a folder that can be written"
+        yield Finding("cache", f"none can be written: {advice}", "note")
+    else:
+        size = sum(file.stat().st_size for file in folder.rglob("*") if file.is_file())
+        state = f"{size / 1e6:.0f} MB of compiled code" if size else "empty: the first run compiles for ten seconds"
+        yield Finding("cache", f"{folder} ({state})")
+
+
+def _disk(out: Path) -> Iterator[Finding]:
+    there = next(place for place in (out.absolute(), *out.absolute().parents) if place.exists())
+    free = shutil.disk_usage(there).free
+    if not (there.is_dir() and os.access(there, os.W_OK)):
+        yield Finding("runs", f"{out}: can't be written; choose another with --out", "problem")
+    elif free < LITTLE_SPACE:
+        yield Finding("runs", f"{out}: only {free / 1e9:.1f} GB free", "note")
+    else:
+        yield Finding("runs", f"{out}: {free / 1e9:.0f} GB free")
+
+
+def _viewer(out: Path) -> Iterator[Finding]:
+    from visitlab_cli.errors import UsageError
+    from visitlab_cli.replay.viewer import check_display
+
+    try:
+        check_display()
+        yield Finding("viewer", "there is a display for Rerun's window")
+    except UsageError as error:
+        yield Finding("viewer", str(error), "note")
+
+
+LOOKS: tuple[Callable[[Path], Iterator[Finding]], ...] = (_versions, _cores, _cache, _disk, _viewer)

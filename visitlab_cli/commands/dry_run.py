@@ -1,0 +1,63 @@
+"""What `--dry-run` of `run`, `train` and `eval` prints: the cells that are yet to do, and what they would cost."""
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import typer
+
+from visitlab_cli.commands.runs_words import size_in_words
+
+if TYPE_CHECKING:
+    from visitlab_cli.execution.cells import Cell
+    from visitlab_cli.execution.estimate import Estimate
+
+
+def tell_plan(run: Path, cells: Sequence["Cell"], *, workers: int, as_json: bool) -> None:
+    """Print what running `cells` in the folder `run` would do; nothing is written."""
+    from visitlab_cli.execution.estimate import estimate
+    from visitlab_cli.execution.runner import missing_cells
+
+    missing = missing_cells(run, cells)
+    groups: dict[str, list[Cell]] = {}
+    for cell in missing:
+        groups.setdefault(cell.group, []).append(cell)
+    costs = {group: estimate(members, 1) for group, members in groups.items()}
+    total = estimate(missing, workers)
+    if as_json:
+        told = {"run": str(run), "done": len(cells) - len(missing), "workers": workers, **_json(total)}
+        typer.echo(json.dumps({**told, "groups": {name: _json(cost) for name, cost in costs.items()}}, indent=2))
+        return
+    if costs:
+        typer.echo(_table(costs) + "\n")
+    done = f", {len(cells) - len(missing)} done already" if len(missing) < len(cells) else ""
+    typer.echo(f"{total.cells} cells to do{done}; {total.steps:,} steps, {size_in_words(total.bytes)}")
+    typer.echo(f"about {duration(total.seconds)} on {workers} worker{'s' if workers > 1 else ''}; the run is {run}")
+
+
+def _json(cost: "Estimate") -> dict[str, float]:
+    return {"cells": cost.cells, "steps": cost.steps, "seconds": round(cost.seconds, 1), "bytes": cost.bytes}
+
+
+def _table(costs: "dict[str, Estimate]") -> str:
+    rows = [["module or visit", "cells", "steps", "time on one core", "disk"]]
+    rows += [
+        [name, str(cost.cells), f"{cost.steps:,}", duration(cost.seconds), size_in_words(cost.bytes)]
+        for name, cost in costs.items()
+    ]
+    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
+    return "\n".join(
+        "  ".join(
+            [row[0].ljust(widths[0]), *(cell.rjust(width) for cell, width in zip(row[1:], widths[1:], strict=True))]
+        )
+        for row in rows
+    )
+
+
+def duration(seconds: float) -> str:
+    """A time in words, coarse."""
+    if seconds < 99.5:
+        return f"{max(seconds, 1):.0f} s"
+    minutes = seconds / 60
+    return f"{minutes:.0f} min" if minutes < 99.5 else f"{minutes / 60:.1f} h"

@@ -1,0 +1,79 @@
+"""`visitlab init`: a commented config to start from, with everything that it includes, and the schema for editors."""
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from visitlab_cli.commands import completion
+from visitlab_cli.commands.options import Json
+
+
+def command(
+    name: Annotated[
+        str,
+        typer.Argument(
+            help="Which one: quickstart, paper or my-human.", show_default=True, autocompletion=completion.shipped
+        ),
+    ] = "quickstart",
+    folder: Annotated[Path, typer.Option("--folder", "-f", help="Where to write it.", show_default="here")] = Path(),
+    force: Annotated[bool, typer.Option("--force", help="Overwrite files of the same name.")] = False,
+    as_json: Json = False,
+) -> None:
+    """Write a commented example config, what it includes, and the schema that editors use."""
+    from visitlab_cli.config.files import shipped_configs, shipped_folder
+    from visitlab_cli.config.problems import or_else
+    from visitlab_cli.config.schema import schema_text
+    from visitlab_cli.errors import NotFoundError
+
+    shipped = shipped_configs()
+    if name not in shipped:
+        raise NotFoundError(f"{name}: no such example{or_else(name, list(shipped))}")
+    origin = shipped_folder().resolve()
+    files = {path.relative_to(origin): path.read_text(encoding="utf-8") for path in _with_includes(shipped[name])}
+    files[Path("schema.json")] = schema_text()
+    written = _write(folder, files, force)
+    config = folder / f"{name}.yaml"
+    if as_json:
+        typer.echo(json.dumps({"config": str(config), "files": [str(file) for file in written]}, indent=2))
+    else:
+        typer.echo("\n".join(map(str, written)))
+        typer.echo(f"next: visitlab run {config}", err=True)
+
+
+def _with_includes(path: Path) -> Iterator[Path]:
+    """A shipped config, and after it each file that it includes, once."""
+    from visitlab_cli.config.files import read_file
+    from visitlab_cli.config.include import INCLUDE
+
+    waiting, seen = [path.resolve()], set[Path]()
+    while waiting:
+        file = waiting.pop(0)
+        if file in seen:
+            continue
+        seen.add(file)
+        yield file
+        included = read_file(file)[0].entries().get(INCLUDE)
+        waiting += [(file.parent / name).resolve() for name in (included.plain() if included else ())]
+
+
+def _write(folder: Path, files: dict[Path, str], force: bool) -> list[Path]:
+    """Write the files below `folder`, none if one of them is there with another content."""
+    from visitlab_cli.errors import RunError
+
+    try:
+        for name, text in files.items():
+            target = folder / name
+            if not force and target.exists() and target.read_bytes() != text.encode():
+                raise RunError(
+                    f"{target}: is there already, with another content; --force overwrites it, "
+                    "--folder writes elsewhere"
+                )
+        for name, text in files.items():
+            (folder / name).parent.mkdir(parents=True, exist_ok=True)
+            (folder / name).write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise RunError(f"{folder}: can't be written: {error.strerror or error}") from error
+    return [folder / name for name in files]

@@ -1,0 +1,66 @@
+"""The table of `compare` where conditions are compared two by two: `--by KEY`, or two runs."""
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import typer
+
+from visitlab_cli.commands.optimum import aligned
+from visitlab_cli.commands.runs_words import with_interval
+
+if TYPE_CHECKING:
+    from visitlab_cli.analysis.pairs import Pair
+
+
+def tell_by(folder: Path, key: str, as_json: bool) -> None:
+    """Print all pairs of conditions of a run that differ in `key` alone."""
+    from visitlab_cli.analysis.pairs import compare_by
+    from visitlab_cli.execution.cells import plan
+    from visitlab_cli.storage.run_folder import read_config
+
+    pairs = compare_by(folder, plan(read_config(folder)), key)
+    _tell({"run": str(folder), "by": key}, pairs, [], as_json)
+
+
+def tell_runs(first: Path, second: Path, as_json: bool) -> None:
+    """Print each condition that two runs have in common, and how their configs differ."""
+    from visitlab_cli.analysis.pairs import compare_runs
+    from visitlab_cli.config.canonical import hashed
+    from visitlab_cli.execution.cells import plan
+    from visitlab_cli.storage.differences import differences, in_words
+    from visitlab_cli.storage.run_folder import read_config
+
+    configs = [read_config(run) for run in (first, second)]
+    ours, theirs = [(run, plan(config)) for run, config in zip((first, second), configs, strict=True)]
+    pairs = compare_runs(ours, theirs)
+    changes = differences(hashed(configs[0]), hashed(configs[1]))
+    told = {"first": str(first), "second": str(second), "config": [each.as_json("first", "second") for each in changes]}
+    _tell(told, pairs, [f"in {second.name} {in_words(changes)}"] if changes else [], as_json)
+
+
+def _tell(told: dict[str, Any], pairs: "list[Pair]", notes: list[str], as_json: bool) -> None:
+    if as_json:
+        whole = {**told, "confidence": 0.95, "pairs": [pair.as_json() for pair in pairs]}
+        typer.echo(json.dumps(whole, indent=2, allow_nan=False))
+        return
+    head = ["where", "measure", "first", "second", "seeds", "mean", "mean of second", "difference", "n", "improves"]
+    lines = [
+        aligned([head, *map(_row, pairs)], words=5),
+        "",
+        "Last tenth of trials; the second less the first with half its 95% interval (Student's t).",
+        "Improves: the probability that a seed of the second is better than one of the first; a tie is half.",
+        "Paired: the same modules, or the same random numbers, in both; n pairs. Else n is the smaller number.",
+        *notes,
+    ]
+    typer.echo("\n".join(lines))
+
+
+def _row(pair: "Pair") -> list[str]:
+    return [
+        *(pair.where, pair.measure, pair.first.name, pair.second.name, "paired" if pair.paired else "independent"),
+        *(f"{side.mean:.2f}" for side in (pair.first, pair.second)),
+        with_interval(pair.difference, "+"),
+        str(pair.n),
+        f"{pair.probability_of_improvement:.2f}",
+    ]

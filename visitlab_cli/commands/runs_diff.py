@@ -1,0 +1,39 @@
+"""`visitlab runs diff`: what two runs have otherwise."""
+
+import json
+from typing import Annotated
+
+import typer
+
+from visitlab_cli.commands import completion
+from visitlab_cli.commands.optimum import aligned
+from visitlab_cli.commands.options import RUNS, Json, Out, Run
+
+
+def command(
+    run: Run,
+    other: Annotated[
+        str, typer.Argument(metavar="OTHER", help="The run to compare with.", autocompletion=completion.runs)
+    ],
+    out: Out = RUNS,
+    as_json: Json = False,
+) -> None:
+    """Print every setting that two runs' configs have otherwise, and every version that made them."""
+    from visitlab_cli.config.canonical import canonical
+    from visitlab_cli.storage.differences import differences, shown
+    from visitlab_cli.storage.run_folder import find_run, read_config, read_versions
+
+    first, second = find_run(run, out), find_run(other, out)
+    found = {
+        "config": differences(canonical(read_config(first)), canonical(read_config(second))),
+        "versions": differences(read_versions(first), read_versions(second)),
+    }
+    if as_json:
+        told = {name: [each.as_json("first", "second") for each in part] for name, part in found.items()}
+        typer.echo(json.dumps({"first": str(first), "second": str(second), **told}, indent=2))
+        return
+    rows = [[name, each.path, shown(each.first), shown(each.second)] for name, part in found.items() for each in part]
+    if rows:
+        typer.echo(aligned([["", "what differs", first.name, second.name], *rows], words=4))
+    else:
+        typer.echo(f"{first} and {second}: the same config and versions")

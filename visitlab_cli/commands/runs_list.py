@@ -1,0 +1,37 @@
+"""`visitlab runs list`: the runs in a folder."""
+
+import json
+import time
+from typing import TYPE_CHECKING
+
+import typer
+
+from visitlab_cli.commands.optimum import aligned
+from visitlab_cli.commands.options import RUNS, Json, Out
+from visitlab_cli.commands.runs_words import age_in_words, number, size_in_words
+
+if TYPE_CHECKING:
+    from visitlab_cli.analysis.summary_runs import RunLine
+
+
+def command(out: Out = RUNS, as_json: Json = False) -> None:
+    """List the runs, the latest first: how far, how many seeds, how large, changed how long ago."""
+    from visitlab_cli.analysis.summary_runs import run_lines
+
+    lines = run_lines(out)
+    if as_json:
+        typer.echo(json.dumps({"folder": str(out), "runs": [line.as_json() for line in lines]}, indent=2))
+    elif lines:
+        rows = [["name", "state", "cells", "seeds", "size", "age"], *map(_row, lines)]
+        typer.echo(aligned(rows, words=2))
+    else:
+        typer.echo(f"no runs in {out}", err=True)
+    for line in lines:
+        if line.problem is not None:
+            typer.echo(line.problem, err=True)
+
+
+def _row(line: "RunLine") -> list[str]:
+    cells = "-" if line.cells is None else f"{line.done}/{line.cells}"
+    age = age_in_words(time.time() - line.changed)
+    return [line.run.name, line.state, cells, number(line.seeds, "d"), size_in_words(line.size), age]

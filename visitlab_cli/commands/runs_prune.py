@@ -1,0 +1,31 @@
+"""`visitlab runs prune`: remove of a run what is of no use."""
+
+import json
+from typing import Annotated
+
+import typer
+
+from visitlab_cli.commands.options import RUNS, Json, Out, Run
+
+
+def command(
+    run: Run,
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="Tell, and remove nothing.")] = False,
+    out: Out = RUNS,
+    as_json: Json = False,
+) -> None:
+    """Remove what killed processes left in a run, and damaged cells; what is whole or being written stays."""
+    from visitlab_cli.storage.removal import prune
+    from visitlab_cli.storage.run_folder import find_run
+
+    folder = find_run(run, out)
+    pruned = prune(folder, dry_run)
+    if as_json:
+        typer.echo(json.dumps({"run": str(folder), "dry_run": dry_run, **pruned._asdict()}, indent=2))
+        return
+    for name in pruned.removed:
+        typer.echo(f"{'would remove' if dry_run else 'removed'} {name}")
+    for name, reason in pruned.kept.items():
+        typer.echo(f"kept {name}: {reason}")
+    if not pruned.removed and not pruned.kept:
+        typer.echo(f"{folder}: nothing to remove")

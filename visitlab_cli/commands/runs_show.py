@@ -1,0 +1,79 @@
+"""`visitlab runs show`: what a run reached, a line for each experiment, agent and human."""
+
+import json
+import math
+import time
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from visitlab_cli.commands.optimum import aligned
+from visitlab_cli.commands.options import RUNS, Json, Out, Run
+from visitlab_cli.commands.runs_words import age_in_words, number, run_again, size_in_words, with_interval
+
+if TYPE_CHECKING:
+    from visitlab_cli.analysis.summary import Summary
+    from visitlab_cli.analysis.summary_runs import RunLine
+
+
+def command(
+    run: Run,
+    level: Annotated[
+        float, typer.Option(min=0, max=1, help="The part of the final value that counts as learned.")
+    ] = 0.9,
+    out: Out = RUNS,
+    as_json: Json = False,
+) -> None:
+    """Show what a run reached: mean with 95% interval, median, seeds, steps to a level, seconds."""
+    from visitlab_cli.analysis.summary import summaries
+    from visitlab_cli.analysis.summary_runs import run_line
+    from visitlab_cli.errors import UsageError
+    from visitlab_cli.execution.cells import plan
+    from visitlab_cli.storage.run_folder import find_run, read_config
+
+    if not 0 < level <= 1 or math.isnan(level):
+        raise UsageError(f"--level {level}: must be above 0, at most 1")
+    folder = find_run(run, out)
+    config = read_config(folder)
+    cells = plan(config)
+    line, lines = run_line(folder, config, cells), summaries(folder, cells, level)
+    if as_json:
+        results = [each.as_json() for each in lines]
+        typer.echo(json.dumps({"run": str(folder), **line.as_json(), "level": level, "results": results}, indent=2))
+    else:
+        typer.echo(_text(line, lines, level))
+
+
+def _text(line: "RunLine", lines: "list[Summary]", level: float) -> str:
+    age = age_in_words(time.time() - line.changed)
+    seeds = f"{line.seeds} seed{'s' if line.seeds != 1 else ''}"
+    head = f"{line.run}: {line.state}, {line.done} of {line.cells} cells, {seeds}"
+    notes = [
+        "",
+        "Mean over n seeds of the last tenth of trials ± half its 95% interval (Student's t); their median.",
+        f"To {level:.0%}: median steps until a hundredth of the trials first has {level:.0%} of the mean.",
+    ]
+    if line.done != line.cells:
+        notes.append(f"Finish with {run_again(line.run)}")
+    return "\n".join([f"{head}, {size_in_words(line.size)}, {age} old", "", _table(lines, level), *notes])
+
+
+def _table(lines: "list[Summary]", level: float) -> str:
+    varied = any(each.group.point for each in lines)
+    names = ["experiment", "agent", "human", *(["at"] if varied else []), "measure"]
+    rows = [[*names, "mean", "median", "n", f"steps to {level:.0%}", "seconds a cell"]]
+    rows += [_row(each, varied) for each in lines]
+    return aligned(rows, words=len(names))
+
+
+def _row(each: "Summary", varied: bool) -> list[str]:
+    group = each.group
+    point = [",".join(f"{path}={value}" for path, value in group.point) or "-"] if varied else []
+    return [
+        *(group.experiment, group.agent, group.human or "-", *point, group.measure),
+        with_interval(each.value) if each.value else "-",
+        number(each.median, ".2f"),
+        str(each.n),
+        number(each.steps_to_level, ",.0f"),
+        number(each.seconds, ".1f"),
+    ]

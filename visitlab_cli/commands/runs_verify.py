@@ -1,0 +1,78 @@
+"""`visitlab runs verify`: is every file of a run as it was written?"""
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from visitlab_cli.commands.options import RUNS, Json, Out, Run
+from visitlab_cli.commands.runs_words import run_again
+
+if TYPE_CHECKING:
+    from visitlab_cli.storage.verify import Fault
+
+EVALUATIONS = "evaluations/"
+
+
+def command(
+    run: Run,
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="Tell, and change nothing.")] = False,
+    out: Out = RUNS,
+    as_json: Json = False,
+) -> None:
+    """Compute every hash anew and name what is wrong; running again then mends that, and that alone.
+
+    The cell.json of a damaged cell is renamed to cell.json.damaged, so that the cell counts as missing.
+    """
+    from visitlab_cli.errors import RunError, VisitlabError
+    from visitlab_cli.execution.cells import plan
+    from visitlab_cli.execution.versions import versions
+    from visitlab_cli.storage.run_folder import find_run, read_config
+    from visitlab_cli.storage.verify import set_faults_aside, verify
+
+    folder = find_run(run, out)
+    try:
+        steps = {cell.path: cell.steps for cell in plan(read_config(folder))}
+    except VisitlabError:  # `verify` says what is wrong with the config
+        steps = {}
+    checked = verify(folder, steps, versions())
+    failed = {} if dry_run else set_faults_aside(folder, checked.faults)
+    absent = sorted(set(steps) - set(checked.found))
+    if as_json:
+        told = {
+            "run": str(folder),
+            "cells": len(checked.found),
+            "whole": len(checked.whole),
+            "not_run": absent,
+            "faults": [fault._asdict() for fault in checked.faults],
+            "not_set_aside": failed,
+        }
+        typer.echo(json.dumps(told, indent=2))
+    else:
+        for fault in checked.faults:
+            typer.echo(str(fault))
+        missing = f"; {len(absent)} more are not run yet" if absent else ""
+        typer.echo(f"{folder}: {len(checked.whole)} of {len(checked.found)} cells are as they were written{missing}")
+    if checked.faults:
+        raise RunError("\n".join(_what_to_do(folder, checked.faults, failed, dry_run)))
+
+
+def _what_to_do(run: Path, faults: "list[Fault]", failed: dict[str, str], dry_run: bool) -> Iterator[str]:
+    """How the damage is mended, a line for each kind of it."""
+    from visitlab_cli.storage.run_folder import CONFIG, VERSIONS
+
+    own = {fault.file for fault in faults if not fault.cell}
+    evaluated = {fault.cell for fault in faults if fault.cell.startswith(EVALUATIONS)}
+    planned = {fault.cell for fault in faults if fault.cell} - evaluated
+    if CONFIG in own:
+        yield f"{run / CONFIG}: restore it, or delete it and run the config that it was made from"
+    if dry_run:
+        yield f"{run}: is damaged; nothing was changed"
+        return
+    yield from (f"{file}: can't be set aside: {reason}" for file, reason in failed.items())
+    if planned or VERSIONS in own:
+        yield f"{run}: what is damaged counts as missing now; mend it with {run_again(run)}"
+    if evaluated:
+        yield f"{run}: what is damaged of {EVALUATIONS} counts as missing now; mend it with the same visitlab eval"

@@ -1,0 +1,14 @@
+"""`visitlab schema`: the JSON Schema of a config, from which editors complete and check it."""
+
+import typer
+
+
+def command() -> None:
+    """Print the JSON Schema of a config file, for editors.
+
+    A config that begins with `# yaml-language-server: $schema=schema.json` is completed and checked while it is
+    written, by every editor that has the YAML language server and finds the schema there.
+    """
+    from visitlab_cli.config.schema import schema_text
+
+    typer.echo(schema_text(), nl=False)

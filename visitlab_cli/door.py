@@ -1,0 +1,146 @@
+"""The door for Python: a run's trials, steps and models as arrays, and as data frames where pandas is installed."""
+
+import importlib
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from visitlab_cli.analysis.summary import summaries
+from visitlab_cli.analysis.summary_groups import point_of
+from visitlab_cli.analysis.summary_tables import Reader, model_of, stacked, steps_of, trials_of
+from visitlab_cli.config.canonical import canonical
+from visitlab_cli.config.problems import or_else
+from visitlab_cli.errors import NotFoundError, UsageError
+from visitlab_cli.execution.cells import Cell, plan
+from visitlab_cli.recording.reader import Columns, read_steps, read_trial
+from visitlab_cli.storage.arrays import Arrays, read_model, read_trials
+from visitlab_cli.storage.cell_folder import MODEL, STEPS, TRIALS, read_cell
+from visitlab_cli.storage.run_folder import find_run, read_config, read_versions
+
+
+@dataclass(frozen=True)
+class LoadedCell:
+    """A finished cell of a run; what it holds is read when it is asked for, as numpy arrays by name.
+
+    `facts` is what its `cell.json` says, `point` the values of a grid at which it lies, by their paths.
+    """
+
+    folder: Path
+    path: str
+    experiment: str
+    agent: str
+    human: str
+    point: dict[str, str]
+    seed: int
+    facts: dict[str, Any] = field(repr=False)
+
+    @property
+    def trials(self) -> Arrays:
+        """`trial`, `reward`, in a visit `goals`, each of shape (trials,)."""
+        return read_trials(self.folder / TRIALS)
+
+    @property
+    def model(self) -> Arrays:
+        """What the agent learned: `q` of shape (states, actions), and the other arrays of `model.npz`."""
+        return read_model(self.folder / MODEL)
+
+    def steps(self, columns: Sequence[str] | None = None) -> Columns:
+        """The recorded steps: the log's columns, or those asked for, each of shape (steps,), enums as numbers."""
+        return read_steps(self.folder / STEPS, columns)
+
+    def trial(self, number: int, columns: Sequence[str] | None = None) -> Columns:
+        """As `steps`, of one trial, from its step 0, the state that it starts in."""
+        return read_trial(self.folder / STEPS, number, columns)
+
+
+@dataclass(frozen=True)
+class LoadedRun:
+    """A run: its config as plain values, its versions, its finished cells, its cells' content as data frames.
+
+    `select` and each method that makes a data frame choose cells by `experiment`, `agent`, `human`, `seed`.
+    A frame's first columns say which cell a row is of: these four, and the settings that vary.
+    """
+
+    path: Path
+    config: dict[str, Any] = field(repr=False)
+    versions: dict[str, str] = field(repr=False)
+    cells: list[LoadedCell] = field(repr=False)
+    _plan: list[Cell] = field(repr=False)
+
+    def select(self, **wanted: str | int) -> list[LoadedCell]:
+        """The finished cells of this `experiment`, `agent`, `human`, `seed`, as far as they are given.
+
+        Raises:
+            UsageError: of another keyword.
+            NotFoundError: there is none.
+        """
+        for name in wanted:
+            if name not in KEYS:
+                raise UsageError(f"select: no {name!r}{or_else(name, KEYS)}")
+        found = [cell for cell in self.cells if all(getattr(cell, name) == value for name, value in wanted.items())]
+        if not found:
+            words = " ".join(f"{name}={value}" for name, value in wanted.items())
+            raise NotFoundError(f"{self.path}: no finished cell {f'with {words}' if words else 'at all'}")
+        return found
+
+    def results(self) -> Any:
+        """A data frame with a row for each experiment, agent, human and point: what `visitlab runs show` shows."""
+        rows = []
+        for line in summaries(self.path, self._plan):
+            told = line.as_json()
+            low, high = told.pop("interval") or (None, None)
+            rows.append({**told.pop("point"), **told, "low": low, "high": high})
+        return _pandas().DataFrame(rows)
+
+    def trials(self, **wanted: str | int) -> Any:
+        """A data frame with a row a trial: `trial`, `reward`, in visits `goals`."""
+        return self._frame(trials_of, wanted)
+
+    def steps(self, columns: Sequence[str] | None = None, **wanted: str | int) -> Any:
+        """A data frame with a row a recorded step: the log's columns, or those asked for; enums by their names."""
+        return self._frame(partial(steps_of, columns=columns), wanted)
+
+    def models(self, **wanted: str | int) -> Any:
+        """A data frame with a row a state and action: `state`, `action`, `q`, `visits`, `reward_sums`."""
+        return self._frame(model_of, wanted)
+
+    def _frame(self, read: Reader, wanted: dict[str, str | int]) -> Any:
+        _pandas()
+        chosen = {cell.path for cell in self.select(**wanted)}
+        return stacked(self.path, [cell for cell in self._plan if cell.path in chosen], read).to_pandas()
+
+
+KEYS = ("experiment", "agent", "human", "seed")
+
+
+def load(run: str | Path, out: str | Path = "runs") -> LoadedRun:
+    """Open a run.
+
+    Args:
+        run: its folder, its name in `out`, a unique beginning of it, or 'latest'.
+        out: the folder of all runs.
+
+    Raises:
+        NotFoundError: there is none.
+        UsageError: several begin so.
+        RunError: its config is damaged.
+    """
+    folder = find_run(str(run), Path(out))
+    config = read_config(folder)
+    cells = plan(config)
+    loaded = [_loaded(folder, cell, facts) for cell in cells if (facts := read_cell(folder / cell.path)) is not None]
+    return LoadedRun(folder, canonical(config), read_versions(folder), loaded, cells)
+
+
+def _loaded(run: Path, cell: Cell, facts: dict[str, Any]) -> LoadedCell:
+    names = cell.experiment, cell.agent, cell.human
+    return LoadedCell(run / cell.path, cell.path, *names, dict(point_of(cell)), cell.seed, facts)
+
+
+def _pandas() -> Any:
+    try:
+        return importlib.import_module("pandas")
+    except ImportError as error:
+        raise UsageError("data frames need pandas: pip install pandas; a cell's arrays do without") from error

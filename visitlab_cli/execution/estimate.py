@@ -1,0 +1,83 @@
+"""What a plan would cost before it runs: steps, time and disk, from costs that were measured once.
+
+The costs are those of whole cells of 400,000 steps (visits of 100,000) of this version on one core of an ordinary
+2026 server, compiled before, every step recorded, planning as often as by default. Elsewhere they are off by what
+the machine is faster or slower; twice as much or half as much is still the right order.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from visitlab_cli.config.experiments import Visit
+from visitlab_cli.execution.cells import Cell
+from visitlab_cli.world.columns import GO_TO_HUMAN, NAVIGATION, SOCIAL, VISIT
+
+MICROSECONDS_A_STEP = {
+    NAVIGATION: {"random": 0.6, "q_learning": 1.1, "model_based": 2.5, "rmax": 2.8, "observer": 2.2},
+    GO_TO_HUMAN: {"random": 0.9, "q_learning": 0.9, "model_based": 1.3, "rmax": 1.3, "observer": 1.7},
+    SOCIAL: {
+        "random": 2.1,
+        "q_learning": 1.7,
+        "model_based": 5.3,
+        "rmax": 5.2,
+        "observer": 4.5,
+        "scripted": 2.4,
+    },
+    VISIT: {
+        "random": 2.7,
+        "q_learning": 2.9,
+        "model_based": 22.0,
+        "rmax": 20.0,
+        "observer": 3.5,
+        "scripted": 3.7,
+    },
+}
+"""By task and kind of agent; in a visit that of the social module."""
+
+LOG_BYTES_A_STEP = {NAVIGATION: 38.0, GO_TO_HUMAN: 38.0, SOCIAL: 43.0, VISIT: 42.0}
+"""A recorded step in `steps.mcap`."""
+
+TRIAL_BYTES = 7.0
+"""A trial's row in `trials.parquet`."""
+
+MODEL_BYTES = {NAVIGATION: 360_000.0, GO_TO_HUMAN: 75_000.0, SOCIAL: 650_000.0, VISIT: 700_000.0}
+"""A `model.npz` at most; one that keeps no counts is smaller."""
+
+
+class Estimate(NamedTuple):
+    """What cells would cost: `steps`, `seconds` on so many workers, `bytes` on the disk."""
+
+    cells: int
+    steps: int
+    seconds: float
+    bytes: int
+
+
+def estimate(cells: Sequence[Cell], workers: int) -> Estimate:
+    """The cost of running `cells` on `workers` processes, compiling not counted.
+
+    A cell runs on one worker and a visit waits for its modules, so more workers than cells gain nothing.
+    """
+    seconds = {cell.path: _seconds(cell) for cell in cells}
+    longest = max((_chain(cell, seconds) for cell in cells), default=0.0)
+    shared = sum(seconds.values()) / max(workers, 1)
+    size = sum(_bytes(cell) for cell in cells)
+    return Estimate(len(cells), sum(cell.steps for cell in cells), max(shared, longest), round(size))
+
+
+def _seconds(cell: Cell) -> float:
+    agent = "random" if cell.frozen else cell.config.agents[cell.agent].kind  # a frozen table neither learns nor plans
+    return cell.steps * MICROSECONDS_A_STEP[cell.task][agent] / 1e6
+
+
+def _chain(cell: Cell, seconds: dict[str, float]) -> float:
+    """A cell's own time after the slowest of its modules that are yet to be trained."""
+    return seconds[cell.path] + max((seconds.get(path, 0.0) for path in cell.modules.values()), default=0.0)
+
+
+def _bytes(cell: Cell) -> float:
+    settings = cell.settings
+    trials = settings.trials if isinstance(settings, Visit) else settings.steps // settings.trial_steps
+    one_in = cell.config.record.one_trial_in
+    log = cell.steps * LOG_BYTES_A_STEP[cell.task] / one_in if one_in else 0.0
+    return log + trials * TRIAL_BYTES + MODEL_BYTES[cell.task]

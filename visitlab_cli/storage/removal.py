@@ -1,0 +1,145 @@
+"""Taking things away: what is no use in a run, and a whole run. Never a file of the user's, never through a link."""
+
+import fcntl
+import os
+import re
+import shutil
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+from visitlab_cli.config.names import RESERVED_EXPERIMENTS
+from visitlab_cli.errors import NotFoundError, RunError, UsageError
+from visitlab_cli.storage.cell_folder import TEMPORARY, one_line, read_cell
+from visitlab_cli.storage.on_disk import DAMAGED, OF_CELLS, cell_folders, is_seed_folder, leftovers
+from visitlab_cli.storage.run_folder import CONFIG, VERSIONS
+
+YOUNG = 60.0
+"""Seconds in which a temporary file may still be in use."""
+OF_PROGRAM = ("evaluations", "figures")
+"""Folders of a run that hold nothing but what visitlab wrote."""
+
+
+class Pruned(NamedTuple):
+    """What was removed of a run, and what was kept with the reason; paths below the run."""
+
+    removed: list[str]
+    kept: dict[str, str]
+
+
+def prune(run: Path, dry_run: bool = False) -> Pruned:
+    """Remove what killed processes left and the cells that are not whole; nothing that is whole.
+
+    Raises:
+        RunError: something can't be removed.
+    """
+    damaged = [folder for folder in cell_folders(run) if read_cell(folder) is None]
+    pruned = Pruned([], {})
+    for path in [*leftovers(run), *sorted(run.glob(f"*{DAMAGED}")), *damaged]:
+        name = path.relative_to(run).as_posix()
+        reason = _in_use(path) or _holds_foreign(path)
+        if reason:
+            pruned.kept[name] = reason
+            continue
+        if not dry_run:
+            _remove(path)
+        pruned.removed.append(name)
+    return pruned
+
+
+def _in_use(path: Path) -> str | None:
+    if not path.name.startswith(TEMPORARY):
+        return None
+    busy = _busy(path) if _is_folder(path) else time.time() - path.lstat().st_mtime < YOUNG
+    return "is being written" if busy else None
+
+
+def _holds_foreign(path: Path) -> str | None:
+    if path.name.startswith(TEMPORARY) or not _is_folder(path):
+        return None
+    foreign = sorted({entry.name for entry in path.iterdir()} - OF_CELLS)
+    return f"holds {foreign[0]}, which is not visitlab's" if foreign else None
+
+
+def check_removable(run: Path) -> None:
+    """Refuse to remove what is not a run, is being written, or holds files that are not the run's.
+
+    Raises:
+        NotFoundError: it is no run folder.
+        UsageError: it is a link.
+        RunError: it is in use, or not only a run.
+    """
+    if run.is_symlink():
+        raise UsageError(f"{run}: a link to {os.readlink(run)}; remove that")
+    if not ((run / CONFIG).is_file() and (run / VERSIONS).is_file() and _is_run_name(run)):
+        raise NotFoundError(f"{run}: not a run (a run's folder is called name-hash and has {CONFIG} and {VERSIONS})")
+    busy = [path.name for path in leftovers(run) if _is_folder(path) and _busy(path)]
+    if busy:
+        raise RunError(f"{run}: is being written ({busy[0]}); stop that first")
+    foreign = next(_foreign(run), None)
+    if foreign:
+        raise RunError(f"{run}: holds {foreign}, which is not visitlab's; move it away first")
+
+
+def _is_run_name(run: Path) -> bool:
+    return re.fullmatch(r".+-[0-9a-f]{8}", run.resolve().name) is not None
+
+
+def _foreign(run: Path) -> Iterator[str]:
+    """The files that visitlab did not write, as paths below the run; a link is none, for nothing is lost with it."""
+    top = {*RESERVED_EXPERIMENTS, *(name + DAMAGED for name in RESERVED_EXPERIMENTS)}
+    for here, folders, files in os.walk(run):
+        folder = Path(here)
+        if folder == run:
+            folders[:] = [name for name in folders if name not in OF_PROGRAM and not name.startswith(TEMPORARY)]
+            known = top | {name for name in files if name.startswith(TEMPORARY)}
+        else:
+            known = set(OF_CELLS) if is_seed_folder(folder.name) else set()
+        for name in sorted(set(files) - known):
+            if not (folder / name).is_symlink():
+                yield (folder / name).relative_to(run).as_posix()
+
+
+def _is_folder(path: Path) -> bool:
+    return path.is_dir() and not path.is_symlink()
+
+
+def remove_run(run: Path) -> None:
+    """Remove a run's folder; its config goes last, so that what an interruption leaves is still a run.
+
+    Raises:
+        as `check_removable`; RunError: something can't be removed.
+    """
+    check_removable(run)
+    for path in sorted(run.iterdir(), key=lambda path: path.name in (CONFIG, VERSIONS)):
+        _remove(path)
+    try:
+        run.rmdir()
+    except OSError as error:
+        raise RunError(f"{run}: can't be removed: {one_line(error)}") from error
+
+
+def _remove(path: Path) -> None:
+    try:
+        if _is_folder(path):
+            shutil.rmtree(path)
+        else:
+            path.unlink()
+    except OSError as error:
+        raise RunError(f"{path}: can't be removed: {one_line(error)}") from error
+
+
+def _busy(folder: Path) -> bool:
+    """Whether another process holds the lock of a folder that it is writing."""
+    try:
+        descriptor = os.open(folder, os.O_RDONLY)
+    except FileNotFoundError:
+        return True  # it was renamed to its place just now
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return True
+    finally:
+        os.close(descriptor)
+    return False

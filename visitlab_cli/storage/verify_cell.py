@@ -1,0 +1,131 @@
+"""Is a cell as it was written? Its files' hashes computed anew, and `cell.json` compared with what it is about."""
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from visitlab_cli.errors import VisitlabError
+from visitlab_cli.storage.arrays import read_trials
+from visitlab_cli.storage.cell_folder import CELL, CELL_FORMAT, MODEL, STEPS, TRIALS, describe, one_line, to_json
+from visitlab_cli.storage.on_disk import was_set_aside
+
+FACTS = {
+    "format": int,
+    "cell": str,
+    "seed": int,
+    "steps": int,
+    "trials": int,
+    "mean_reward_last_hundredth": float,
+    "mean_reward_last_tenth": float,
+    "config_hash": str,
+    "versions": dict,
+    "files": dict,
+}
+MEANS = {"mean_reward_last_hundredth": 100, "mean_reward_last_tenth": 10}
+"""Which part of the trials a mean is of: the last 1%, the last tenth."""
+ROUNDING = 1e-14
+"""How far, relatively, two sums of the same numbers may lie apart."""
+
+
+def cell_faults(folder: Path, path: str, digest: str | None, steps: int | None) -> list[tuple[str, str]]:
+    """What is wrong with a cell, as pairs of file and problem.
+
+    Args:
+        folder: the cell's folder.
+        path: what it should say that its path in the run is.
+        digest: the config hash that it should state; None where that is in doubt.
+        steps: how many steps it should have; None where that is not known.
+    """
+    file = folder / CELL
+    try:
+        text = file.read_text(encoding="utf-8")
+        cell = json.loads(text)
+    except FileNotFoundError:
+        return [(CELL, "set aside as damaged by an earlier verify" if was_set_aside(file) else "missing")]
+    except OSError as error:
+        return [(CELL, one_line(error))]
+    except (ValueError, RecursionError):
+        return [(CELL, "damaged: not JSON")]
+    malformed = _malformed(cell, text)
+    if malformed:
+        return [(CELL, malformed)]
+    faults = [problem for name in _names(folder, cell) if (problem := _file_fault(folder, name, cell["files"]))]
+    said = {"cell": path, "seed": int(folder.name.removeprefix("seed-")), "config_hash": digest, "steps": steps}
+    faults += [
+        (CELL, f"{key} is {cell[key]}, not {value}")
+        for key, value in said.items()
+        if value is not None and cell[key] != value
+    ]
+    if not any(name == TRIALS for name, _ in faults):
+        faults += _rewards_faults(folder, cell)
+    return faults
+
+
+def _malformed(cell: Any, text: str) -> str | None:
+    if not isinstance(cell, dict):
+        return "damaged: not a mapping"
+    for key, kind in FACTS.items():
+        if type(cell.get(key)) is not kind:
+            return f"damaged: {key} is {'missing' if key not in cell else 'of another kind'}"
+    if cell["format"] != CELL_FORMAT:
+        return f"of format {cell['format']}, not {CELL_FORMAT}"
+    if not all(_is_description(described) for described in cell["files"].values()):
+        return "damaged: a file is not described by size and sha256"
+    if not all(isinstance(version, str) for version in cell["versions"].values()):
+        return "damaged: a version is no text"
+    try:
+        return None if text == to_json(cell) else "damaged: not written as visitlab writes it"
+    except ValueError:
+        return "damaged: holds NaN or infinity"
+
+
+def _is_description(described: Any) -> bool:
+    kinds = {key: type(value) for key, value in described.items()} if isinstance(described, dict) else {}
+    return kinds == {"size": int, "sha256": str}
+
+
+def _names(folder: Path, cell: dict[str, Any]) -> list[str]:
+    """The files that must be looked at: what the cell lists, what every cell has, and a log that is there."""
+    log = {STEPS} if (folder / STEPS).exists() else set()
+    return sorted({*cell["files"], TRIALS, MODEL} | log)
+
+
+def _file_fault(folder: Path, name: str, files: dict[str, dict[str, Any]]) -> tuple[str, str] | None:
+    file, described = folder / name, files.get(name)
+    if name not in (STEPS, TRIALS, MODEL):  # also keeps the eye inside of the cell's folder
+        return CELL, f"lists a file {name!r}, which no cell has"
+    if described is None:
+        return CELL, f"does not list {name}"
+    if not file.is_file():
+        return name, "missing"
+    try:
+        actual = describe(file)
+    except OSError as error:
+        return name, one_line(error)
+    if actual["size"] != described["size"]:
+        return name, f"has {actual['size']:,} bytes, {CELL} says {described['size']:,}"
+    if actual["sha256"] != described["sha256"]:
+        return name, f"its sha256 is {actual['sha256'][:12]}..., {CELL} says {described['sha256'][:12]}..."
+    return None
+
+
+def _rewards_faults(folder: Path, cell: dict[str, Any]) -> list[tuple[str, str]]:
+    try:
+        rewards = read_trials(folder / TRIALS)["reward"]
+    except (VisitlabError, KeyError):
+        return [(TRIALS, "no table of trials")]
+    if cell["trials"] != len(rewards):
+        return [(CELL, f"trials is {cell['trials']}, not {len(rewards)}")]
+    return [
+        (CELL, f"{key} is {cell[key]!r}, not {mean!r}")
+        for key, part in MEANS.items()
+        if not math.isclose(cell[key], mean := _last_mean(rewards, part), rel_tol=ROUNDING)
+    ]
+
+
+def _last_mean(rewards: npt.NDArray[np.float64], part: int) -> float:
+    return math.fsum(rewards[-max(1, len(rewards) // part) :]) / max(1, len(rewards) // part)
