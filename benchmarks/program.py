@@ -80,9 +80,7 @@ def main():
         )
         cold, _ = run_cell(folder, folder / "cache", "cold")
         warm, megabytes = run_cell(folder, folder / "cache", "warm")
-        print(
-            f"a cell of 500,000 social steps: {cold:.1f} s with an empty cache, {warm:.1f} s with a warm one"
-        )
+        print(f"a cell of 500,000 social steps: {cold:.1f} s with an empty cache, {warm:.1f} s with a warm one")
         print(f"its peak memory with a warm cache, everything in one process: {megabytes:.0f} MB")
 
 

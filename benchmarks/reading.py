@@ -84,6 +84,14 @@ def stock_seconds(path: Path) -> float:
         return (time.perf_counter() - start) / read
 
 
+def as_recording(path: Path, trial: int) -> bytes:
+    """What `visitlab replay --save` writes, imports aside."""
+    from visitlab_cli.replay.recording import record
+    from visitlab_cli.replay.trial import load_trial
+
+    return record(load_trial(path, trial))
+
+
 def peak_mib(path: Path, how: str) -> float:
     """How far the memory of a process of its own rises while it reads."""
     command = [sys.executable, "-c", MEASURE_PEAK, str(path), how]
@@ -116,6 +124,10 @@ def main() -> None:
         numbers = random.Random(0).sample(table["trial"].tolist(), min(TRIALS_READ, len(table["trial"])))
         each = sorted(1e3 * least_seconds(lambda number=number: read_trial(path, number)) for number in numbers)
         print(f"\none trial: median {statistics.median(each):.1f} ms, slowest of {len(each)} {each[-1]:.1f} ms")
+        middle = int(numbers[len(numbers) // 2])
+        print(
+            f"one trial as a Rerun recording, start-up aside: {least_seconds(lambda: as_recording(path, middle)):.2f} s"
+        )
         print(f"table of all trials: {least_seconds(lambda: trials(path)):.2f} s")
 
         if Path("/proc/self/status").exists():

@@ -63,8 +63,8 @@ class _Running:
                 self.pool.stop()
                 self.waiting, self.suspects = [], []
             for cell in self._startable():
-                slot = self.free_slots.pop()
-                self.running[self.pool.submit(self.run, cell, slot)] = cell, slot
+                if not self._start(cell):
+                    break
             done, _ = wait(self.running, timeout=POLL_SECONDS, return_when=FIRST_COMPLETED)
             for cell, slot in self.running.values():
                 self.progress.update(cell, self.pool.steps_done(slot))
@@ -72,6 +72,19 @@ class _Running:
         if self.stopped():
             raise Interrupted("interrupted; what was finished is kept, and the same command goes on from there")
         return self.failures
+
+    def _start(self, cell: Cell) -> bool:
+        """Start a cell in a free slot; False where the pool is found broken, of which the running ones will tell."""
+        slot = self.free_slots.pop()
+        try:
+            self.running[self.pool.submit(self.run, cell, slot)] = cell, slot
+        except BrokenExecutor:
+            self.free_slots.append(slot)
+            self.suspects.insert(0, cell)
+            if not self.running:
+                self.pool.replace()
+            return False
+        return True
 
     def _startable(self) -> Iterator[Cell]:
         if self.suspects:
