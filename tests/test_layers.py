@@ -21,6 +21,7 @@ FLOORS = [
     {"storage"},
     {"execution"},
     {"analysis"},
+    {"door"},
     {"story"},
     {"figures", "replay", "report"},
     {"commands"},
@@ -28,6 +29,8 @@ FLOORS = [
     {"__main__"},
 ]
 FLOOR = {room: floor for floor, rooms in enumerate(FLOORS) for room in rooms}
+FRONT = ("__init__.py", "visitlab_cli.door")
+"""The one way up: `visitlab_cli.load`, which opens the door only when it is called."""
 LIGHT = {"typer", "visitlab_cli", "rich"}
 STANDARD_BUT_SLOW = {"multiprocessing", "asyncio", "concurrent"}
 
@@ -59,7 +62,7 @@ def upward_imports(package):
         here = room_of(package, file)
         for name in imports(file):
             parts = name.split(".")
-            if parts[0] != "visitlab_cli":
+            if parts[0] != "visitlab_cli" or (str(file.relative_to(package)), ".".join(parts[:2])) == FRONT:
                 continue
             there = parts[1] if len(parts) > 1 and parts[1] in FLOOR else "__init__"
             beside = FLOOR[there] == FLOOR[here] and there != here

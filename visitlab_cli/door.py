@@ -87,12 +87,7 @@ class LoadedRun:
 
     def results(self) -> Any:
         """A data frame with a row for each experiment, agent, human and point: what `visitlab runs show` shows."""
-        rows = []
-        for line in summaries(self.path, self._plan):
-            told = line.as_json()
-            low, high = told.pop("interval") or (None, None)
-            rows.append({**told.pop("point"), **told, "low": low, "high": high})
-        return _pandas().DataFrame(rows)
+        return _pandas().DataFrame([line.as_row() for line in summaries(self.path, self._plan)])
 
     def trials(self, **wanted: str | int) -> Any:
         """A data frame with a row a trial: `trial`, `reward`, in visits `goals`."""

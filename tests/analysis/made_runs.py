@@ -5,6 +5,7 @@ import numpy as np
 from visitlab_cli.analysis.curves import COUNTERPARTS
 from visitlab_cli.analysis.published_curves import published_curves
 from visitlab_cli.config.loading import load_text
+from visitlab_cli.execution.cell_runner import facts_of
 from visitlab_cli.execution.cells import plan
 from visitlab_cli.storage.arrays import write_trials
 from visitlab_cli.storage.cell_folder import TRIALS, NewCell
@@ -50,5 +51,5 @@ def make_run(out, shifts, noise=0.1, **options):
         rewards = np.repeat(published.mean, published.trials_in_batch) + shifts[cell.group] + offset
         with NewCell(run, cell.path) as new:
             write_trials(new.folder / TRIALS, rewards, with_goals=False)
-            new.commit({"cell": cell.path}, {})
+            new.commit(facts_of(cell, rewards), {})
     return run

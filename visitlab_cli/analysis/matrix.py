@@ -37,15 +37,16 @@ Planned = dict[Pairing, list[Cell]]
 class Goals(NamedTuple):
     """Goals a trial, mean over `n` independent sets of modules; None where no cell is done.
 
-    Frozen, all trials are alike and count; adapting, the last tenth does.
+    Frozen, all trials are alike and count; adapting, the last tenth does. `group` is where the cells lie in the run.
     """
 
     value: Estimate | None
     n: int
+    group: str
 
     def as_json(self) -> dict[str, Any]:
         """Plain values."""
-        return {**(self.value.as_json() if self.value else {"mean": None, "interval": None}), "n": self.n}
+        return {**(self.value.as_json() if self.value else {"mean": None, "interval": None}), "n": self.n, "cells": self.group}
 
 
 class Matrix(NamedTuple):
@@ -135,4 +136,4 @@ def _goals(run: Path, cells: Sequence[Cell], mode: str) -> Goals:
             value = read_trials(run / cell.path / TRIALS)["reward"].mean() if whole else facts["mean_reward_last_tenth"]
             of_unit.setdefault(unit_of(cell), []).append(float(value))
     values = [sum(each) / len(each) for each in of_unit.values()]
-    return Goals(mean_of(values) if values else None, len(values))
+    return Goals(mean_of(values) if values else None, len(values), cells[0].group)

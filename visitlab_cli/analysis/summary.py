@@ -58,6 +58,12 @@ class Summary(NamedTuple):
             "seconds_a_cell": self.seconds,
         }
 
+    def as_row(self) -> dict[str, Any]:
+        """The line as one level of plain values: the point's paths are columns, the interval is `low` and `high`."""
+        told = self.as_json()
+        low, high = told.pop("interval") or (None, None)
+        return {**told.pop("point"), **told, "low": low, "high": high}
+
 
 def summaries(run: Path, cells: Sequence[Cell], level: float = LEVEL) -> list[Summary]:
     """A line for each group of a run's cells.

@@ -5,6 +5,7 @@ With the published curves there is a verdict on each, and the cause if one is th
 
 import json
 import math
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -38,6 +39,10 @@ def command(
         list[str] | None, typer.Option(help="Look for causes in this run, too; may be repeated.", metavar="RUN")
     ] = None,
     margin: Annotated[float, typer.Option(min=0, help="How far, in reward a trial, is still the same.")] = 0.5,
+    page: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE.md", help="Write it as a page; pictures in images/reproduction beside it."),
+    ] = None,
     out: Out = RUNS,
     as_json: Json = False,
 ) -> None:
@@ -58,6 +63,8 @@ def command(
     if by is not None or other is not None:
         if variant or (by is not None and other is not None):
             raise UsageError("OTHER, --by and --variant: choose one")
+        if page is not None:
+            raise UsageError("--page: is for the published curves; leave OTHER and --by out")
         from visitlab_cli.commands.runs_compare import tell_by, tell_runs
 
         if by is not None:
@@ -68,11 +75,19 @@ def command(
     asked = [open_variant(find_run(word, out)) for word in variant or []]
     known = {each.run.resolve() for each in asked}
     beside = [each for each in variants_beside(folder) if each.run.resolve() not in known]
-    compared = compare(folder, plan(read_config(folder)), [*asked, *beside], margin)
+    cells, variants = plan(read_config(folder)), [*asked, *beside]
+    compared = compare(folder, cells, variants, margin)
     if not compared.curves:
         reason = compared.absent[0][1]
         raise NotFoundError(f"{folder}: has no curve that was published ({reason.group}: {reason.reason}, and so on)")
-    if as_json:
+    if page is not None:
+        from visitlab_cli.commands.figures import strip
+        from visitlab_cli.figures.page.evidence import gather
+        from visitlab_cli.figures.page.writing import write_page
+
+        files = [str(file) for file in write_page(gather(folder, cells, compared, margin, variants), page, strip)]
+        typer.echo(json.dumps({"run": str(folder), "files": files}) if as_json else "\n".join(files))
+    elif as_json:
         typer.echo(
             json.dumps(
                 {"run": str(folder), "margin": margin, "confidence": 0.95, **_json(compared)}, indent=2, allow_nan=False

@@ -1,4 +1,4 @@
-"""`visitlab export`: recorded trials in the format of another program."""
+"""`visitlab export`: recorded trials in the format of another program, or a run's tables."""
 
 import json
 from pathlib import Path
@@ -18,6 +18,11 @@ def command(
     foxglove: Annotated[
         bool, typer.Option("--foxglove", help="An .mcap file whose topics Foxglove shows without a plug-in.")
     ] = False,
+    csv: Annotated[bool, typer.Option("--csv", help="A table of all finished cells that are chosen.")] = False,
+    parquet: Annotated[bool, typer.Option("--parquet", help="The same as Parquet, which is small and fast.")] = False,
+    table: Annotated[
+        str, typer.Option(metavar="CONTENT", help="What is in the table: trials, steps, models or results.")
+    ] = "trials",
     experiment: Experiment = "",
     human: Human = "",
     agent: Agent = "",
@@ -32,21 +37,31 @@ def command(
     ] = None,
     output: Annotated[
         Path | None,
-        typer.Option("--output", "-o", help="The new file; by default named by cell and trial.", show_default=False),
+        typer.Option("--output", "-o", help="The new file; by default named by what is in it.", show_default=False),
     ] = None,
     out: Out = RUNS,
     as_json: Json = False,
 ) -> None:
-    """Write recorded trials in the format of another program; choose one, such as --foxglove."""
+    """Write recorded trials as another program shows them, or tables of a run: choose one of the formats."""
     from visitlab_cli.errors import UsageError
-
-    if not foxglove:
-        raise UsageError("choose a format: --foxglove")
-
-    from visitlab_cli.recording.foxglove import write_foxglove
     from visitlab_cli.replay.choice import Selection, choose_trial, find_log
 
-    log = find_log(run, out, Selection(experiment, human, agent, seed))
+    if foxglove + csv + parquet != 1:
+        raise UsageError("choose one format: --csv, --parquet or --foxglove")
+    selection = Selection(experiment, human, agent, seed)
+    if not foxglove:
+        from visitlab_cli.commands.runs_export import tell_table
+
+        if trial:
+            raise UsageError(
+                "--trial: a table holds all trials; choose cells by --experiment, --human, --agent, --seed"
+            )
+        tell_table(run, out, selection, table, output, "csv" if csv else "parquet", as_json)
+        return
+
+    from visitlab_cli.recording.foxglove import write_foxglove
+
+    log = find_log(run, out, selection)
     if log.others:
         typer.echo(f"chose {log.cell} of {len(log.others) + 1} cells; the next is {log.others[0]}", err=True)
     numbers = [choose_trial(log.path, word) for word in trial or ["0"]]

@@ -22,8 +22,6 @@ def command(
     from visitlab_cli.storage.removal import check_removable, remove_run
     from visitlab_cli.storage.run_folder import find_run
 
-    if not run:
-        raise UsageError("RUN is empty; name the run to remove")
     folder = find_run(run, out)
     check_removable(folder)
     size = bytes_below(folder)

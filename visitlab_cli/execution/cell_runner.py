@@ -50,7 +50,7 @@ def run_cell(run: Path, cell: Cell, report: Report) -> None:
         write_trials(new.folder / TRIALS, trial_rewards, with_goals=cell.task == VISIT)
         write_model(new.folder / MODEL, saved_model(simulation, random))
         seconds = time.perf_counter() - started
-        new.commit(_facts(cell, trial_rewards), _timing(start, seconds, cell.steps / playing))
+        new.commit(facts_of(cell, trial_rewards), _timing(start, seconds, cell.steps / playing))
 
 
 def simulate(
@@ -95,7 +95,8 @@ def saved_model(simulation: Simulation, random: RandomState) -> Saved:
     return {**saved, "random_state": random}
 
 
-def _facts(cell: Cell, trial_rewards: np.ndarray[Any, np.dtype[np.float64]]) -> dict[str, Any]:
+def facts_of(cell: Cell, trial_rewards: np.ndarray[Any, np.dtype[np.float64]]) -> dict[str, Any]:
+    """What `cell.json` says of a cell with these rewards, shape (trials,)."""
     return {
         "cell": cell.path,
         "seed": cell.seed,

@@ -10,21 +10,9 @@ import numpy.typing as npt
 
 from visitlab_cli.errors import VisitlabError
 from visitlab_cli.storage.arrays import read_trials
-from visitlab_cli.storage.cell_folder import CELL, CELL_FORMAT, MODEL, STEPS, TRIALS, describe, one_line, to_json
+from visitlab_cli.storage.cell_folder import CELL, CELL_FORMAT, FACTS, MODEL, STEPS, TRIALS, describe, one_line, to_json
 from visitlab_cli.storage.on_disk import was_set_aside
 
-FACTS = {
-    "format": int,
-    "cell": str,
-    "seed": int,
-    "steps": int,
-    "trials": int,
-    "mean_reward_last_hundredth": float,
-    "mean_reward_last_tenth": float,
-    "config_hash": str,
-    "versions": dict,
-    "files": dict,
-}
 MEANS = {"mean_reward_last_hundredth": 100, "mean_reward_last_tenth": 10}
 """Which part of the trials a mean is of: the last 1%, the last tenth."""
 ROUNDING = 1e-14
@@ -68,8 +56,8 @@ def cell_faults(folder: Path, path: str, digest: str | None, steps: int | None) 
 def _malformed(cell: Any, text: str) -> str | None:
     if not isinstance(cell, dict):
         return "damaged: not a mapping"
-    for key, kind in FACTS.items():
-        if type(cell.get(key)) is not kind:
+    for key, kind in {"format": int, **FACTS, "files": dict}.items():
+        if not isinstance(cell.get(key), kind):
             return f"damaged: {key} is {'missing' if key not in cell else 'of another kind'}"
     if cell["format"] != CELL_FORMAT:
         return f"of format {cell['format']}, not {CELL_FORMAT}"

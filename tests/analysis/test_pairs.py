@@ -1,0 +1,86 @@
+"""Conditions two by two, on cells written by hand: who is compared, what is paired, which numbers come out."""
+
+import math
+
+import pytest
+
+from tests.analysis.runs_by_hand import open_lab, reach
+from visitlab_cli.analysis.pairs import compare_by, compare_runs
+from visitlab_cli.errors import NotFoundError, UsageError
+
+
+def values(where, numbers):
+    return {f"{where}/seed-{seed:04d}": number for seed, number in enumerate(numbers)}
+
+
+def test_agents_are_independent_since_their_random_numbers_are(tmp_path):
+    run, cells = open_lab(tmp_path)
+    plan = reach(run, cells, values("navigation/mb", [1, 2, 3]) | values("navigation/mf", [11, 12, 13]))
+    (pair,) = compare_by(run, plan, "agent")
+    assert (pair.where, pair.first.name, pair.second.name) == ("navigation", "mb", "mf")
+    assert (pair.paired, pair.n, pair.difference.mean, pair.probability_of_improvement) == (False, 3, 10.0, 1.0)
+    assert pair.difference.half == pytest.approx(2.776 * math.sqrt(2 / 3), abs=1e-3)  # 4 degrees of freedom
+
+
+def test_visits_with_the_same_modules_are_paired(tmp_path):
+    run, cells = open_lab(tmp_path)
+    plan = reach(run, cells, values("visit/slow", [1, 5, 9]) | values("visit/fast", [2, 7, 12]))
+    (pair,) = compare_by(run, plan, "human")
+    assert (pair.where, pair.first.name, pair.second.name, pair.measure) == (
+        "visit mb",
+        "slow",
+        "fast",
+        "goals a trial",
+    )
+    assert (pair.paired, pair.n, pair.difference.mean) == (True, 3, 2.0)
+    assert pair.difference.half == pytest.approx(4.303 * math.sqrt(1 / 3), abs=1e-3)  # of the differences 1, 2, 3
+    assert pair.probability_of_improvement == (3 + 2 + 1) / 9  # over all nine combinations
+
+
+def test_only_common_seeds_make_pairs(tmp_path):
+    run, cells = open_lab(tmp_path)
+    plan = reach(run, cells, values("visit/slow", [1, 5, 100]) | values("visit/fast", [2, 7]))
+    (pair,) = compare_by(run, plan, "human")
+    assert (pair.paired, pair.n, pair.first.n, pair.first.mean, pair.difference.mean) == (True, 2, 2, 3.0, 1.5)
+
+
+def test_a_setting_that_varies(tmp_path):
+    vary = "vary: {agents.mf.alpha: [0.1, 0.5, 1], humans.fast.p_A: [0, 0.5]}\n"
+    run, cells = open_lab(tmp_path, seeds=2, more=vary)
+    done = {f"navigation/mf/agents.mf.alpha={alpha}": [n, n + 1] for n, alpha in enumerate(("0.1", "0.5", "1.0"))}
+    at = "visit/fast/agents.mf.alpha=0.1,humans.fast.p_A="
+    done |= {f"{at}0.0": [0, 4], f"{at}0.5": [1, 5], "visit/slow/agents.mf.alpha=0.5": [3, 3]}
+    plan = reach(run, cells, {path: n for where, numbers in done.items() for path, n in values(where, numbers).items()})
+    by_alpha = compare_by(run, plan, "agents.mf.alpha")
+    assert [(pair.where, pair.first.name, pair.second.name, pair.difference.mean) for pair in by_alpha] == [
+        ("navigation mf", "0.1", "0.5", 1.0),
+        ("navigation mf", "0.1", "1.0", 2.0),
+        ("navigation mf", "0.5", "1.0", 1.0),
+    ]
+    (by_human,) = compare_by(run, plan, "humans.fast.p_A")
+    assert by_human.where == "visit mb fast agents.mf.alpha=0.1"
+    assert (by_human.paired, by_human.difference) == (True, (1.0, 0.0))
+
+
+def test_two_runs_are_paired_where_their_random_numbers_are_the_same(tmp_path):
+    first, cells = open_lab(tmp_path)
+    plan = reach(first, cells, values("navigation/mb", [1, 5, 9]) | values("social/mb/slow", [1, 1, 1]))
+    for seed, paired in ((0, True), (1, False)):
+        second, other = open_lab(tmp_path, seed=seed, more="interaction: {distances: [1, 2, 3, 5]}\n")
+        their_plan = reach(second, other, values("navigation/mb", [2, 7, 12]))
+        (pair,) = compare_runs((first, plan), (second, their_plan))
+        assert (pair.where, pair.first.name, pair.second.name) == ("navigation/mb", first.name, second.name)
+        assert (pair.paired, pair.difference.mean) == (paired, 2.0)
+        assert (pair.difference.half < 3) == paired
+
+
+def test_what_cannot_be_compared_is_said(tmp_path):
+    run, cells = open_lab(tmp_path)
+    plan = reach(run, cells, values("navigation/mb", [1, 2]))
+    with pytest.raises(UsageError, match="--by agnet: the run has no such key; did you mean agent?"):
+        compare_by(run, plan, "agnet")
+    with pytest.raises(NotFoundError, match="nothing that is done differs in agent alone"):
+        compare_by(run, plan, "agent")
+    other, cells = open_lab(tmp_path, seed=1)
+    with pytest.raises(NotFoundError, match="no finished experiment, agent and human in common"):
+        compare_runs((run, plan), (other, list(cells.values())))

@@ -1,0 +1,105 @@
+"""`visitlab export --csv` and `--parquet`: every row of every cell, told apart; nothing that is a formula."""
+
+import csv
+import json
+
+import numpy as np
+import pyarrow
+import pytest
+from pyarrow import parquet
+
+from tests.analysis.runs_by_hand import open_lab, write_cell
+from tests.program import visitlab
+from visitlab_cli.analysis.summary_export import export_table, for_spreadsheets
+from visitlab_cli.errors import UsageError
+from visitlab_cli.recording.reader import read_steps
+from visitlab_cli.storage.arrays import read_trials
+
+
+def read_csv(file):
+    with file.open(newline="", encoding="utf-8") as stream:
+        return list(csv.DictReader(stream))
+
+
+def test_trials_as_csv(tiny_run, tmp_path):
+    done = visitlab("export", tiny_run, "--csv", cwd=tmp_path)
+    assert done.stdout == f"{tiny_run.name}-trials.csv: 852 rows, trials of 17 cells\n", done.stderr
+    found = read_csv(tmp_path / f"{tiny_run.name}-trials.csv")
+    mine = [row for row in found if (row["experiment"], row["human"]) == ("visit", "slow")]
+    expected = read_trials(tiny_run / "visit/slow/seed-0000/trials.parquet")
+    assert [float(row["reward"]) for row in mine] == expected["reward"].tolist()
+    assert [int(row["goals"]) for row in mine] == expected["goals"].tolist()
+    assert {(row["human"], row["goals"], row["seed"]) for row in found if row["experiment"] == "navigation"} == {
+        ("", "", "0")
+    }
+
+
+def test_steps_as_parquet_of_chosen_cells(tiny_run, tmp_path):
+    file = tmp_path / "steps.parquet"
+    chosen = ["--experiment", "social", "--agent", "mf"]
+    done = visitlab("export", tiny_run, "--parquet", "--table", "steps", *chosen, "-o", file, "--json")
+    told = json.loads(done.stdout)
+    steps = read_steps(tiny_run / "social/mf/fast/seed-0000/steps.mcap")
+    assert (told["cells"], told["rows"], told["file"]) == (1, 1260, str(file))
+    table = parquet.read_table(file)
+    assert table.column_names == ["experiment", "agent", "human", "seed", *steps]
+    assert np.array_equal(table.column("state").to_numpy(), steps["state"])
+    assert set(table.column("action").to_pylist()[:1]) == {"NO_ACTION"}
+
+
+def test_tasks_with_other_columns_make_one_table(tmp_path):
+    run, cells = open_lab(tmp_path, seeds=1, more="vary: {agents.mf.alpha: [0.1, 0.5]}\n")
+    chosen = list(cells.values())
+    for number, cell in enumerate(chosen):
+        write_cell(run, cell, [number, number + 0.5])
+    for kind, read in (("csv", read_csv), ("parquet", lambda file: parquet.read_table(file).to_pylist())):
+        file = tmp_path / f"x.{kind}"
+        assert export_table(run, chosen, "trials", file) == 2 * len(chosen)
+        rows = read(file)
+        assert [float(row["reward"]) for row in rows[::2]] == list(range(len(chosen)))
+        alphas = [row["agents.mf.alpha"] for row in rows[::2]]
+        expected = [cell.config.agents["mf"].alpha if "=" in cell.path else None for cell in chosen]
+        assert [float(alpha) if alpha not in ("", None) else None for alpha in alphas] == expected
+        with pytest.raises(UsageError, match="exists"):
+            export_table(run, chosen, "trials", file)
+
+
+def test_results_are_a_row_a_group(tmp_path):
+    run, cells = open_lab(tmp_path)
+    chosen = [cells[f"navigation/mb/seed-000{seed}"] for seed in range(3)]
+    for cell, value in zip(chosen, (1.0, 2.0, 6.0), strict=True):
+        write_cell(run, cell, [value] * 20)
+    assert export_table(run, chosen, "results", tmp_path / "x.csv") == 1
+    (row,) = read_csv(tmp_path / "x.csv")
+    assert (row["name"], float(row["mean"]), int(row["n"])) == ("navigation/mb", 3.0, 3)
+    assert float(row["low"]) == pytest.approx(3 - 6.572, abs=1e-3)
+
+
+def test_no_text_is_a_formula():
+    texts = ["=1+1", "plain", None, "@x", "+y", "-z", "-2", "\tq", "plain"]
+    safe = ["'=1+1", "plain", None, "'@x", "'+y", "'-z", "-2", "'\tq", "plain"]
+    table = pyarrow.table({"text": texts, "coded": pyarrow.array(texts).dictionary_encode(), "number": range(-9, 0)})
+    made = for_spreadsheets(table)
+    assert made.column("text").to_pylist() == made.column("coded").to_pylist() == safe
+    assert made.column("number").to_pylist() == list(range(-9, 0))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "line"),
+    [
+        (["--csv", "--parquet"], 2, "choose one format: --csv, --parquet or --foxglove"),
+        (["--csv", "--table", "trails"], 2, "--table trails: no such table; did you mean trials?"),
+        (["--csv", "-o", "x.parquet"], 2, "--output x.parquet: must end in .csv"),
+        (
+            ["--csv", "--trial", "3"],
+            2,
+            "a table holds all trials; choose cells by --experiment, --human, --agent, --seed",
+        ),
+        (["--csv", "--human", "nobody"], 5, "no finished cell with --human nobody"),
+    ],
+)
+def test_what_does_not_work_is_one_line(tiny_run, tmp_path, arguments, code, line):
+    done = visitlab("export", tiny_run, *arguments, cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (code, "")
+    assert done.stderr.endswith(f"{line}\n")
+    assert not list(tmp_path.iterdir())

@@ -1,0 +1,165 @@
+"""Nothing is removed but what is no use, or the run that was named; never through a link."""
+
+import os
+import shutil
+
+import pytest
+
+from visitlab_cli.errors import NotFoundError, RunError, UsageError
+from visitlab_cli.storage.cell_folder import NewCell
+from visitlab_cli.storage.removal import prune, remove_run
+
+RUN = "lab-01234567"
+CELL = "navigation/mf/seed-0000"
+FACTS = {
+    "cell": CELL,
+    "seed": 0,
+    "steps": 1,
+    "trials": 1,
+    "config_hash": "01234567",
+    "versions": {},
+    "mean_reward_last_hundredth": 0.0,
+    "mean_reward_last_tenth": 0.0,
+}
+
+
+@pytest.fixture
+def run(tmp_path):
+    """A run with one whole cell, and beside it something precious."""
+    folder = tmp_path / "runs" / RUN
+    folder.mkdir(parents=True)
+    (tmp_path / "precious").mkdir()
+    (tmp_path / "precious" / "data").write_text("x")
+    for name in ("config.yaml", "versions.json"):
+        (folder / name).write_text("{}")
+    write(folder, CELL)
+    return folder
+
+
+def write(run, path):
+    with NewCell(run, path) as new:
+        (new.folder / "model.npz").write_text("data")
+        new.commit(FACTS, {})
+
+
+def names(folder):
+    return sorted(path.relative_to(folder).as_posix() for path in folder.rglob("*") if not path.is_dir())
+
+
+def test_prune_removes_leftovers_and_damaged_cells_only(run):
+    whole = names(run)
+    for damaged in ("navigation/mf/seed-0001", "evaluations/01234567/visit/fast/model-0000/seed-0002"):
+        write(run, damaged)
+        (run / damaged / "cell.json").rename(run / damaged / "cell.json.damaged")
+    (run / ".tmp-navigation-0123").mkdir()
+    (run / ".tmp-navigation-0123" / "steps.mcap").touch()
+    (run / ".tmp-config.yaml-0123").touch()
+    os.utime(run / ".tmp-config.yaml-0123", (1, 1))
+    (run / "versions.json.damaged").touch()
+    everything = names(run)
+    told = prune(run, dry_run=True)
+    assert names(run) == everything
+    assert prune(run) == told
+    assert set(told.removed) == {
+        ".tmp-navigation-0123",
+        ".tmp-config.yaml-0123",
+        "versions.json.damaged",
+        "navigation/mf/seed-0001",
+        "evaluations/01234567/visit/fast/model-0000/seed-0002",
+    }
+    assert told.kept == {}
+    assert names(run) == whole
+
+
+def test_prune_keeps_what_is_being_written_and_what_is_not_ours(run):
+    (run / ".tmp-config.yaml-0123").touch()
+    mine = run / "navigation" / "mf" / "seed-0001"
+    mine.mkdir()
+    for name in ("model.npz", "steps.recovered.mcap"):
+        (mine / name).touch()
+    with NewCell(run, "navigation/mf/seed-0002") as new:
+        told = prune(run)
+        assert new.folder.exists()
+        assert told.removed == []
+        assert told.kept == {
+            new.folder.name: "is being written",
+            ".tmp-config.yaml-0123": "is being written",
+            "navigation/mf/seed-0001": "holds steps.recovered.mcap, which is not visitlab's",
+        }
+        with pytest.raises(RunError, match="is being written"):
+            remove_run(run)
+    assert (mine / "model.npz").exists()
+
+
+def test_links_are_removed_and_never_followed(run, tmp_path):
+    precious = tmp_path / "precious"
+    (run / ".tmp-link").symlink_to(precious)
+    os.utime(run / ".tmp-link", (1, 1), follow_symlinks=False)
+    (run / "social").symlink_to(precious)
+    (run / "notes").symlink_to(precious / "data")
+    (run / CELL / "steps.mcap").symlink_to(precious / "data")
+    assert prune(run).removed == [".tmp-link"]
+    remove_run(run)
+    assert not run.exists()
+    assert (precious / "data").read_text() == "x"
+
+
+def test_a_run_with_all_that_visitlab_writes_is_removed(run, tmp_path):
+    (run / "figures").mkdir()
+    (run / "figures" / "fig6.svg").touch()
+    (run / "report.html").touch()
+    (run / ".tmp-left").mkdir()
+    (run / "evaluations" / "01234567").mkdir(parents=True)
+    (run / "evaluations" / "01234567" / "matrix.svg").touch()
+    remove_run(run)
+    assert names(tmp_path) == ["precious/data"]
+
+
+def remove_versions(run):
+    (run / "versions.json").unlink()
+    return run
+
+
+def link_to(run):
+    link = run.with_name("link-01234567")
+    link.symlink_to(run)
+    return link
+
+
+def foreign(path):
+    def add(run):
+        (run / path).parent.mkdir(parents=True, exist_ok=True)
+        (run / path).touch()
+        return run
+
+    return add
+
+
+REFUSED = {
+    "no versions": (remove_versions, NotFoundError, "not a run"),
+    "another name": (lambda run: run.rename(run.with_name("project")), NotFoundError, "not a run"),
+    "a link": (link_to, UsageError, "a link to .*lab-01234567; remove that"),
+    "a file of mine": (foreign("notes.txt"), RunError, "holds notes.txt, which is not visitlab's"),
+    "a folder of mine": (foreign("thesis/chapter.tex"), RunError, "holds thesis/chapter.tex"),
+    "mine in a cell": (foreign(f"{CELL}/notes.txt"), RunError, f"holds {CELL}/notes.txt"),
+    "a model of mine": (foreign("navigation/model.npz"), RunError, "holds navigation/model.npz"),
+}
+
+
+@pytest.mark.parametrize(("change", "error", "line"), REFUSED.values(), ids=REFUSED)
+def test_what_is_not_only_a_run_is_refused(run, change, error, line, tmp_path):
+    folder = change(run)
+    before = names(tmp_path)
+    with pytest.raises(error, match=line):
+        remove_run(folder)
+    assert names(tmp_path) == before
+
+
+def test_what_cannot_be_removed_is_one_line_and_still_a_run(run, monkeypatch):
+    def refuse(path):
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(shutil, "rmtree", refuse)
+    with pytest.raises(RunError, match="navigation: can't be removed: Permission denied$"):
+        remove_run(run)
+    assert (run / "config.yaml").exists()

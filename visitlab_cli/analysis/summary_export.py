@@ -1,0 +1,93 @@
+"""Trials, steps, models or results of a run as a CSV or Parquet file, cell by cell, so that memory does not grow."""
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+from visitlab_cli.analysis.summary import summaries
+from visitlab_cli.analysis.summary_tables import Reader, model_of, steps_of, tables, trials_of
+from visitlab_cli.execution.cells import Cell
+from visitlab_cli.recording.new_file import new_file
+
+RESULTS = "results"
+READERS: dict[str, Reader] = {"trials": trials_of, "steps": steps_of, "models": model_of}
+CONTENTS = (*READERS, RESULTS)
+CSV, PARQUET = "csv", "parquet"
+STARTS_FORMULA = ("=", "+", "-", "@", "\t", "\r")
+
+
+def export_table(run: Path, cells: Sequence[Cell], content: str, file: Path) -> int:
+    """Write one of `CONTENTS` of finished cells, at least one, to a new file, whose name ends in .csv or .parquet.
+
+    Returns:
+        The number of rows.
+
+    Raises:
+        UsageError: the file exists.
+        NotFoundError: a cell has no steps.
+        RunError: a cell is damaged, or the file cannot be written.
+    """
+    parts = _results(run, cells) if content == RESULTS else _aligned(run, cells, READERS[content])
+    with new_file(file) as beside:
+        return _write(parts, beside, file.suffix == f".{CSV}")
+
+
+def _results(run: Path, cells: Sequence[Cell]) -> Iterator[Any]:
+    import pyarrow
+
+    yield pyarrow.Table.from_pylist([line.as_row() for line in summaries(run, cells)])
+
+
+def _aligned(run: Path, cells: Sequence[Cell], read: Reader) -> Iterator[Any]:
+    """The cells' tables, all with the same columns: those of a task are the same, so one of each tells them."""
+    import pyarrow
+
+    one_of_each_task = {cell.task: cell for cell in reversed(cells)}.values()
+    schemas = [read(run / cell.path).schema for cell in one_of_each_task]
+    for table in tables(run, cells, read):
+        schema = pyarrow.unify_schemas([table.schema, *schemas])
+        schemas = [schema]
+        yield pyarrow.concat_tables([schema.empty_table(), table], promote_options="default")
+
+
+def _write(parts: Iterator[Any], file: Path, as_csv: bool) -> int:
+    from pyarrow import csv, parquet
+
+    rows, writer = 0, None
+    try:
+        for table in parts:
+            table = for_spreadsheets(table) if as_csv else table
+            if writer is None:
+                writer = (csv.CSVWriter if as_csv else parquet.ParquetWriter)(file, table.schema)
+            writer.write_table(table)
+            rows += table.num_rows
+    finally:
+        if writer is not None:
+            writer.close()
+    return rows
+
+
+def for_spreadsheets(table: Any) -> Any:
+    """A table as CSV can hold it: texts as they are, but none that a spreadsheet would take for a formula."""
+    import pyarrow
+
+    for place, column in enumerate(table.schema):
+        kind = column.type
+        if pyarrow.types.is_dictionary(kind):
+            table = table.set_column(place, column.name, table.column(place).cast(kind.value_type))
+        if pyarrow.types.is_string(table.schema.field(place).type):
+            encoded = table.column(place).combine_chunks().dictionary_encode()
+            texts = pyarrow.array([harmless(text) for text in encoded.dictionary.to_pylist()], pyarrow.string())
+            table = table.set_column(place, column.name, texts.take(encoded.indices))
+    return table
+
+
+def harmless(text: str) -> str:
+    """A text with an apostrophe before it where a spreadsheet would take it for a formula; numbers stay."""
+    if not text.startswith(STARTS_FORMULA):
+        return text
+    try:
+        float(text)
+    except ValueError:
+        return f"'{text}"
+    return text
