@@ -21,6 +21,7 @@ from visitlab_cli.commands import (
     optimum,
     recover,
     replay,
+    report,
     run,
     runs,
     schema,
@@ -78,6 +79,7 @@ app.command("figures")(figures.command)
 app.command("affordances")(affordances.command)
 app.command("optimum")(optimum.command)
 app.command("recover")(recover.command)
+app.command("report")(report.command)
 app.command("steps")(steps.command)
 app.command("export")(export.command)
 app.command("validate")(validate.command)

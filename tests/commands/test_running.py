@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from tests.program import COMMAND, TINY, hashes, the_run, visitlab
+from visitlab_cli.config.files import shipped_configs
 from visitlab_cli.storage.arrays import read_model, read_trials
 
 EXPECTING = """
@@ -228,11 +229,12 @@ def test_validate_says_what_would_run(tmp_path):
     assert json.loads(visitlab("validate", TINY, "--json").stdout)["cells"] == 17
 
 
+SHIPPED = ", ".join(name for name in shipped_configs() if "/" not in name)
 BAD = [
     (
         ["run", "nope.yaml"],
         5,
-        "nope.yaml: no such file, nor a shipped config; shipped: my-human, paper, quickstart and parts of paper/",
+        f"nope.yaml: no such file, nor a shipped config; shipped: {SHIPPED} and parts of paper/",
     ),
     (["run", "quickstrat"], 5, "quickstrat: no such file, nor a shipped config; did you mean quickstart?"),
     (["run", TINY, "sedes=2"], 3, "override 'sedes=2': sedes: unknown; did you mean seeds?"),

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from tests.config.lab import LAB, Complain, Load, edited
+from visitlab_cli.config.files import shipped_configs
 from visitlab_cli.config.loading import load
 from visitlab_cli.errors import NotFoundError
 
@@ -121,10 +122,16 @@ def test_a_long_chain_of_likes_is_refused(complaint: Complain) -> None:
     assert "humans.h32.like: a chain of more than 32" in lines[0]
 
 
+SHIPPED = ", ".join(name for name in shipped_configs() if "/" not in name)
+
+
 @pytest.mark.parametrize(
     ("name", "message"),
     [
-        ("nix.yaml", "nix.yaml: no such file, nor a shipped config; shipped: paper, quickstart"),
+        (
+            "nix.yaml",
+            f"nix.yaml: no such file, nor a shipped config; shipped: {SHIPPED} and parts of paper/",
+        ),
         ("quikstart", "quikstart: no such file, nor a shipped config; did you mean quickstart?"),
         ("quickstart\n", "'quickstart\\n': no such file"),
         ("../nix.yaml", "../nix.yaml: no such file"),

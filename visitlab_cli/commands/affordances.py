@@ -2,10 +2,12 @@
 
 import json
 import math
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from visitlab_cli.commands import completion
 from visitlab_cli.commands.optimum import aligned
 from visitlab_cli.commands.options import RUNS, Json, Out, Run
 
@@ -16,10 +18,19 @@ if TYPE_CHECKING:
 
 def command(
     run: Run,
-    experiment: Annotated[str, typer.Option("--experiment", "-e", help="Of this training; else the visits'.")] = "",
-    agent: Annotated[str, typer.Option(help="Of this agent.")] = "",
-    human: Annotated[str, typer.Option(help="Trained with this human.")] = "",
+    experiment: Annotated[
+        str,
+        typer.Option(
+            "--experiment", "-e", help="Of this training; else the visits'.", autocompletion=completion.experiments
+        ),
+    ] = "",
+    agent: Annotated[str, typer.Option(help="Of this agent.", autocompletion=completion.agents)] = "",
+    human: Annotated[str, typer.Option(help="Trained with this human.", autocompletion=completion.humans)] = "",
     seed: Annotated[int, typer.Option(min=0, help="Of this repetition, from 0.")] = 0,
+    picture: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Draw it, with how it adapts: a .svg, .png or .pdf."),
+    ] = None,
     out: Out = RUNS,
     as_json: Json = False,
 ) -> None:
@@ -34,7 +45,12 @@ def command(
 
     folder = find_run(run, out)
     found = affordances(folder, plan(read_config(folder)), Selection(experiment, agent, human, seed))
-    if as_json:
+    if picture is not None:
+        from visitlab_cli.figures.affordance_picture import save_affordances
+
+        save_affordances(found, picture)
+        typer.echo(json.dumps({"run": str(folder), "file": str(picture)}) if as_json else str(picture))
+    elif as_json:
         typer.echo(json.dumps({"run": str(folder), **to_json(found)}, indent=2, allow_nan=False))
     else:
         typer.echo(_text(found))

@@ -1,11 +1,17 @@
 """`visitlab eval`: the visits of a run, or visits with options of their own on its models."""
 
-from typing import Annotated
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from visitlab_cli.commands import completion
 from visitlab_cli.commands.options import RUNS, DryRun, Json, NoColor, Out, Quiet, Run, Verbose, Workers
+
+if TYPE_CHECKING:
+    from visitlab_cli.config.model import Config
+    from visitlab_cli.execution.cells import Cell
 
 
 def command(
@@ -16,6 +22,16 @@ def command(
     ] = None,
     trials: Annotated[int | None, typer.Option(min=1, max=10**9, help="Trials of each visit instead.")] = None,
     frozen: Annotated[bool, typer.Option("--frozen", help="No learning and no exploration.")] = False,
+    experiment: Annotated[
+        str, typer.Option("--experiment", "-e", help="This visit alone.", autocompletion=completion.experiments)
+    ] = "",
+    matrix: Annotated[
+        bool,
+        typer.Option("--matrix", help="Every trained human against every human, frozen and adapting; of one visit."),
+    ] = False,
+    picture: Annotated[
+        Path | None, typer.Option(help="Where the matrix is drawn, .svg, .png or .pdf; else RUN/figures/matrix.svg.")
+    ] = None,
     out: Out = RUNS,
     workers: Workers = 0,
     dry_run: DryRun = False,
@@ -25,15 +41,15 @@ def command(
     no_color: NoColor = False,
 ) -> None:
     """Assemble the global task from a run's trained modules and play it."""
+    from visitlab_cli.commands.matrix import check_options, planned_cells, play_matrix
     from visitlab_cli.commands.running import How, run_and_tell
     from visitlab_cli.config.problems import or_else, printable
-    from visitlab_cli.errors import RunError, UsageError
+    from visitlab_cli.errors import UsageError
     from visitlab_cli.execution.cells import Evaluation, plan
-    from visitlab_cli.execution.runner import missing_cells
-    from visitlab_cli.storage.cell_folder import read_cell
-    from visitlab_cli.storage.run_folder import CONFIG, find_run, read_config
+    from visitlab_cli.storage.run_folder import find_run, read_config
     from visitlab_cli.world.columns import VISIT
 
+    check_options(matrix=matrix, frozen=frozen, picture=picture)
     folder = find_run(run, out)
     config = read_config(folder)
     for name in human or []:
@@ -41,9 +57,34 @@ def command(
             raise UsageError(
                 f"--human {printable(name)}: the run's config declares no such human{or_else(name, list(config.humans))}"
             )
-    cells = plan(config, Evaluation(tuple(human or ()), trials, frozen))
-    if not cells:
+    visits = [name for name, each in config.experiments.items() if each.task == VISIT]
+    if not visits:
         raise UsageError(f"{folder}: its config declares no visit")
+    if experiment and experiment not in visits:
+        raise UsageError(
+            f"--experiment {printable(experiment)}: the run's config declares no such visit{or_else(experiment, visits)}"
+        )
+    how = How(workers, dry_run, as_json, quiet, verbose)
+    if matrix:
+        planned = planned_cells(folder, config, experiment or visits[0], human or (), trials)
+        _check_trained(folder, config, [cell for cells in planned.values() for cell in cells])
+        play_matrix(folder, planned, picture, how)
+        return
+    cells = plan(config, Evaluation(tuple(human or ()), trials, frozen))
+    chosen = [cell for cell in cells if experiment in ("", cell.experiment)]
+    _check_trained(folder, config, chosen)
+    run_and_tell(folder, config, chosen, how)
+
+
+def _check_trained(folder: Path, config: "Config", cells: "Sequence[Cell]") -> None:
+    """Refuse what needs a module that is not trained, or was trained with another config."""
+    from visitlab_cli.errors import RunError
+    from visitlab_cli.execution.cells import plan
+    from visitlab_cli.execution.runner import missing_cells
+    from visitlab_cli.storage.cell_folder import read_cell
+    from visitlab_cli.storage.run_folder import CONFIG
+    from visitlab_cli.world.columns import VISIT
+
     needed = {path for cell in missing_cells(folder, cells) for path in cell.modules.values()}
     untrained = missing_cells(folder, [c for c in plan(config) if c.task != VISIT and c.path in needed])
     if untrained:
@@ -52,4 +93,3 @@ def command(
     made_with = {cell["config_hash"] for path in needed if (cell := read_cell(folder / path)) is not None}
     if made_with - {cells[0].run_hash}:
         raise RunError(f"{folder / CONFIG}: was edited after the modules were trained; restore it, or train anew")
-    run_and_tell(folder, config, cells, How(workers, dry_run, as_json, quiet, verbose))

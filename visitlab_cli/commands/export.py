@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from visitlab_cli.commands.options import RUNS, Json, Out
-from visitlab_cli.commands.steps import Agent, Experiment, Human, RunOrFile, Seed
+from visitlab_cli.commands.options import RUNS, Agent, Experiment, Human, Json, Out, RunOrFile, Seed
 
 if TYPE_CHECKING:
     from visitlab_cli.recording.foxglove_scene import Look, ShownTrial

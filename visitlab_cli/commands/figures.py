@@ -26,7 +26,7 @@ def command(
     from visitlab_cli.storage.run_folder import find_run
 
     folder = find_run(run, out)
-    made = make_figures(folder, _strip, only or (), kind)
+    made = make_figures(folder, strip, only or (), kind)
     for name, notes in made.notes.items():
         for note in notes:
             typer.echo(f"{name}: {note}", err=True)
@@ -34,7 +34,8 @@ def command(
     typer.echo(json.dumps({"run": str(folder), "files": files, "notes": made.notes}) if as_json else "\n".join(files))
 
 
-def _strip(log: Path, number: int) -> "Figure":
+def strip(log: Path, number: int) -> "Figure":
+    """Draw a trial of a log as a strip."""
     from visitlab_cli.replay.strip import draw_strip
     from visitlab_cli.replay.trial import load_trial
     from visitlab_cli.story import strip_steps

@@ -34,6 +34,7 @@ EXAMPLES = {
     "compare": ("visitlab compare quickstart", "visitlab compare quickstart short"),
     "affordances": ("visitlab affordances quickstart", "visitlab affordances quickstart --experiment social --json"),
     "optimum": ("visitlab optimum", "visitlab optimum --gamma 0.95 --json"),
+    "report": ("visitlab report quickstart", "visitlab report latest --output report.html"),
     "export": (
         "visitlab export quickstart --foxglove --trial worst",
         "visitlab export quickstart --foxglove --trial 3 --output trial.mcap",

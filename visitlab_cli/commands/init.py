@@ -15,7 +15,9 @@ def command(
     name: Annotated[
         str,
         typer.Argument(
-            help="Which one: quickstart, paper or my-human.", show_default=True, autocompletion=completion.shipped
+            help="Which one: quickstart, my-human, paper or another shipped config.",
+            show_default=True,
+            autocompletion=completion.shipped,
         ),
     ] = "quickstart",
     folder: Annotated[Path, typer.Option("--folder", "-f", help="Where to write it.", show_default="here")] = Path(),

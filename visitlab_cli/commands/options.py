@@ -34,6 +34,27 @@ Run = Annotated[
         autocompletion=completion.runs,
     ),
 ]
+RunOrFile = Annotated[
+    str,
+    typer.Argument(
+        metavar="RUN|FILE",
+        help="A run (its folder, name, 'latest') or an .mcap file.",
+        autocompletion=completion.runs,
+    ),
+]
+Experiment = Annotated[
+    str,
+    typer.Option("--experiment", "-e", help="Of this experiment; else a visit.", autocompletion=completion.experiments),
+]
+Human = Annotated[str, typer.Option(help="With this human.", autocompletion=completion.humans)]
+Agent = Annotated[
+    str,
+    typer.Option(help="Of this agent; in a visit the social module's.", autocompletion=completion.agents),
+]
+Seed = Annotated[int | None, typer.Option(min=0, help="Of this repetition, from 0.")]
+TrialWord = Annotated[
+    str, typer.Option(metavar="N|SELECTOR", help="Its number, or best, worst, median, longest-engagement.")
+]
 Out = Annotated[Path, typer.Option("--out", help="The folder of all runs.")]
 Workers = Annotated[
     int, typer.Option("--workers", "-w", min=0, max=1024, help="Processes; 0: as many as there are cores.")

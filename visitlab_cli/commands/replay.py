@@ -6,20 +6,16 @@ from typing import Annotated
 
 import typer
 
-from visitlab_cli.commands.options import RUNS, Json, Out
+from visitlab_cli.commands.options import RUNS, Agent, Experiment, Human, Json, Out, RunOrFile, Seed, TrialWord
 
 
 def command(
-    run: Annotated[
-        str, typer.Argument(metavar="RUN|FILE", help="A run (its folder, name, 'latest') or an .mcap file.")
-    ],
-    experiment: Annotated[str, typer.Option("--experiment", "-e", help="Of this experiment; else a visit.")] = "",
-    human: Annotated[str, typer.Option(help="With this human.")] = "",
-    agent: Annotated[str, typer.Option(help="Of this agent; in a visit the social module's.")] = "",
-    seed: Annotated[int | None, typer.Option(min=0, help="Of this repetition, from 0.")] = None,
-    trial: Annotated[
-        str, typer.Option(metavar="N|SELECTOR", help="Its number, or best, worst, median, longest-engagement.")
-    ] = "0",
+    run: RunOrFile,
+    experiment: Experiment = "",
+    human: Human = "",
+    agent: Agent = "",
+    seed: Seed = None,
+    trial: TrialWord = "0",
     save: Annotated[Path | None, typer.Option(help="Write an .rrd file instead.")] = None,
     web: Annotated[bool, typer.Option("--web", help="Serve it to a browser on this machine instead.")] = False,
     png: Annotated[Path | None, typer.Option(help="Write a picture of --step instead; needs no screen.")] = None,

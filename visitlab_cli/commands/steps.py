@@ -1,25 +1,14 @@
 """`visitlab steps`: a recorded trial as a table, one step a line, in words."""
 
 import json
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
-from visitlab_cli.commands.options import RUNS, Json, Out
+from visitlab_cli.commands.options import RUNS, Agent, Experiment, Human, Json, Out, RunOrFile, Seed, TrialWord
 
 if TYPE_CHECKING:
     from visitlab_cli.story import Steps
-
-RunOrFile = Annotated[
-    str, typer.Argument(metavar="RUN|FILE", help="A run (its folder, name, 'latest') or an .mcap file.")
-]
-Experiment = Annotated[str, typer.Option("--experiment", "-e", help="Of this experiment; else a visit.")]
-Human = Annotated[str, typer.Option(help="With this human.")]
-Agent = Annotated[str, typer.Option(help="Of this agent; in a visit the social module's.")]
-Seed = Annotated[int | None, typer.Option(min=0, help="Of this repetition, from 0.")]
-TrialWord = Annotated[
-    str, typer.Option(metavar="N|SELECTOR", help="Its number, or best, worst, median, longest-engagement.")
-]
 
 
 def command(

@@ -1,0 +1,122 @@
+"""`visitlab eval --matrix`: play every trained human against every human; print the goals, draw them."""
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import typer
+
+from visitlab_cli.commands.optimum import aligned
+from visitlab_cli.commands.running import How, cores
+from visitlab_cli.commands.runs_words import with_interval
+from visitlab_cli.errors import RunError, UsageError
+
+if TYPE_CHECKING:
+    from visitlab_cli.analysis.matrix import Matrix, Planned
+    from visitlab_cli.config.model import Config
+    from visitlab_cli.execution.cells import Cell
+    from visitlab_cli.execution.runner import Failures
+
+PICTURE = Path("figures", "matrix.svg")
+
+
+def check_options(*, matrix: bool, frozen: bool, picture: Path | None) -> None:
+    """Refuse options that mean nothing together.
+
+    Raises:
+        UsageError: they do not go together, or the picture has no format.
+    """
+    from visitlab_cli.figures.style import FORMATS
+
+    if matrix and frozen:
+        raise UsageError("--matrix plays both frozen and adapting; leave out --frozen")
+    if picture is None:
+        return
+    if not matrix:
+        raise UsageError("--picture draws a matrix; add --matrix")
+    if picture.suffix[1:] not in FORMATS:
+        raise UsageError(f"--picture {picture}: must end in {', '.join(f'.{kind}' for kind in FORMATS)}")
+
+
+def planned_cells(run: Path, config: "Config", visit: str, humans: Sequence[str], trials: int | None) -> "Planned":
+    """The visits of a run's matrix.
+
+    Raises:
+        UsageError: the config is a grid, of which each point would have a matrix.
+    """
+    from visitlab_cli.analysis.matrix import plan_matrix
+
+    if config.vary:
+        raise UsageError(f"--matrix: {run} is a grid (its config varies {', '.join(config.vary)}); run one point of it")
+    return plan_matrix(config, visit, humans, trials)
+
+
+def play_matrix(run: Path, planned: "Planned", picture: Path | None, how: How) -> None:
+    """Play what is missing, print the matrix and draw it; with `dry_run` only tell what there is to do.
+
+    Raises:
+        RunError: a cell failed, or the picture can't be written.
+        UsageError: quiet and verbose at once.
+    """
+    from visitlab_cli.analysis.matrix import matrix_of
+    from visitlab_cli.commands.dry_run import tell_plan
+    from visitlab_cli.figures.matrix import save_matrix
+
+    if how.quiet and how.verbose:
+        raise UsageError("--quiet and --verbose: choose one")
+    cells = [cell for each in planned.values() for cell in each]
+    if how.dry_run:
+        tell_plan(run, cells, workers=how.workers or cores(), as_json=how.as_json)
+        return
+    failures = _run(run, cells, how)
+    matrix, target = matrix_of(run, planned), picture or run / PICTURE
+    save_matrix(matrix, target)
+    if how.as_json:
+        typer.echo(json.dumps({"run": str(run), **matrix.as_json(), "picture": str(target)}, indent=2))
+    else:
+        typer.echo(f"{text(matrix)}\n\n{target}")
+    if failures:
+        path, line = next(iter(failures.items()))
+        more = f" (and {len(failures) - 1} more)" if len(failures) > 1 else ""
+        raise RunError(f"{path}: {line}{more}")
+
+
+def _run(run: Path, cells: "Sequence[Cell]", how: How) -> "Failures":
+    from visitlab_cli.execution.progress import Progress
+    from visitlab_cli.execution.runner import missing_cells, run_cells
+    from visitlab_cli.execution.warm_up import warm_up
+
+    progress = Progress(how.quiet, how.verbose)
+    missing = missing_cells(run, cells)
+    if missing:
+        progress.say(f"{run}: {len(missing)} of {len(cells)} cells to do")
+        warm_up(missing, progress.say)
+    return run_cells(run, cells, how.workers or cores(), progress)
+
+
+def text(matrix: "Matrix") -> str:
+    """A table for each mode: a row for each human trained with, a column for each that is led."""
+    from visitlab_cli.analysis.matrix import ADAPTING, FROZEN
+
+    trials = f"{matrix.trials:,} trial{'s' if matrix.trials != 1 else ''}"
+    fewest, most = matrix.seeds
+    n = f"{most}" if fewest == most else f"{fewest} to {most}"
+    return "\n\n".join(
+        [
+            f"Goals a trial of {matrix.visit} with {matrix.social}, n = {n}.\n"
+            "Mean over n seeds ± half its 95% interval (Student's t).",
+            f"Frozen: nothing is learned or explored; all {trials}\n{_table(matrix, FROZEN)}",
+            f"Adapting: the social module goes on learning; last tenth of {trials}\n{_table(matrix, ADAPTING)}",
+        ]
+    )
+
+
+def _table(matrix: "Matrix", mode: str) -> str:
+    from visitlab_cli.analysis.matrix import Pairing
+
+    rows = [["trained with", *matrix.met]]
+    for trained in matrix.trained:
+        values = [matrix.goals[Pairing(trained, met, mode)].value for met in matrix.met]
+        rows.append([trained, *(with_interval(value) if value else "-" for value in values)])
+    return aligned(rows, words=1)
