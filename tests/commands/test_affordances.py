@@ -25,3 +25,17 @@ def test_a_module_that_is_not_there(tiny_run):
     assert done.returncode == 5
     assert len(done.stderr.splitlines()) == 1
     assert visitlab("affordances", tiny_run, "--seed", "9").returncode == 5
+
+
+def test_a_picture(tiny_run, tmp_path):
+    picture = tmp_path / "folder" / "picture.png"
+    done = visitlab("affordances", tiny_run, "--picture", picture)
+    assert (done.returncode, done.stdout, done.stderr) == (0, f"{picture}\n", "")
+    assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_picture_of_another_kind(tiny_run, tmp_path):
+    done = visitlab("affordances", tiny_run, "--picture", tmp_path / "picture.gif")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr == f"--picture {tmp_path}/picture.gif: must end in .svg, .png, .pdf\n"
+    assert not list(tmp_path.iterdir())

@@ -6,7 +6,7 @@ import matplotlib
 import pytest
 
 from tests.program import visitlab
-from visitlab_cli.commands.figures import _strip
+from visitlab_cli.commands.figures import strip
 from visitlab_cli.errors import RunError
 from visitlab_cli.figures.making import NAMES, make_figures
 
@@ -31,17 +31,17 @@ def test_one_command_makes_them_all_and_again_the_same_bytes(copy):
     (told,) = done.stderr.splitlines()
     assert told.startswith("fig9: shows visit/human_2/seed-0000, trial ")
     first = contents(copy)
-    made = make_figures(copy, _strip)
+    made = make_figures(copy, strip)
     assert [file.name for file in made.files] == [f"{name}.svg" for name in NAMES]
     assert contents(copy) == first
 
 
 @pytest.mark.parametrize("kind", ["svg", "pdf", "png"])
 def test_the_users_own_settings_change_nothing(copy, kind):
-    make_figures(copy, _strip, ["fig7"], kind)
+    make_figures(copy, strip, ["fig7"], kind)
     first = contents(copy)
     with matplotlib.rc_context({"font.size": 30, "lines.linewidth": 9, "svg.hashsalt": "mine"}):
-        make_figures(copy, _strip, ["fig7"], kind)
+        make_figures(copy, strip, ["fig7"], kind)
         assert matplotlib.rcParams["font.size"] == 30
     assert contents(copy) == first
     assert list(first) == [f"fig7.{kind}"]
@@ -51,12 +51,12 @@ def test_a_damaged_cell_is_one_line(copy):
     file = copy / "navigation_observed" / "mf" / "seed-0001" / "model.npz"
     file.write_bytes(b"x" * file.stat().st_size)
     with pytest.raises(RunError) as caught:
-        make_figures(copy, _strip, ["fig7"])
-    assert str(caught.value) == f"{file}: damaged: File is not a zip file"
+        make_figures(copy, strip, ["fig7"])
+    assert str(caught.value).startswith(f"{file}: damaged: File is not a zip file")
 
 
 def test_a_folder_that_cannot_be_written_is_one_line(copy):
     (copy / "figures").write_text("in the way")
     with pytest.raises(RunError) as caught:
-        make_figures(copy, _strip, ["fig7"])
+        make_figures(copy, strip, ["fig7"])
     assert str(caught.value) == f"{copy}/figures/fig7.svg: can't be written: File exists"

@@ -86,7 +86,7 @@ def _draw(source: Source, groups: Sequence[Group]) -> "Figure":
     figure = Figure(figsize=(PAGE, HEIGHT), layout="constrained")
     upper, lower = figure.subplots(2, len(groups), squeeze=False, height_ratios=HEIGHT_RATIOS)
     for maps, bars, group in zip(upper, lower, groups, strict=True):
-        optimal, tables = navigation_optimal_q(_gamma(source, group)), group.tables()
+        optimal, tables = navigation_optimal_q(gamma_of(source, group)), group.tables()
         image = _draw_map(maps, tables[0], float(optimal.max()))
         maps.set_title(f"Model-free, {LEARNERS[group.cells[0].agent]}", loc="left", fontsize=FONT_SIZE)
         _draw_ratios(bars, ratios(tables, optimal), group.name)
@@ -101,7 +101,7 @@ def _draw(source: Source, groups: Sequence[Group]) -> "Figure":
     return figure
 
 
-def _gamma(source: Source, group: Group) -> float:
+def gamma_of(source: Source, group: Group) -> float:
     """The discount factor that a group's table was learned with."""
     parameters = source.config.agents[group.cells[0].agent]
     if isinstance(parameters, ObserverParameters):

@@ -1,6 +1,7 @@
 """A panel of learning curves with the data of a run."""
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -35,7 +36,11 @@ def panel_of(source: Source, design: Design) -> Panel | None:
     measure = "goal rooms in a trial" if visit else "reward of a trial"
     published = {curve.condition: curve for curve in published_curves() if curve.figure == design.published}
     marks = [trial * settings.trial_steps for _, group in found if (trial := watched_trials(source, group))]
-    spreads = [f"{condition.name}: {both}" for condition, group in found if (both := spread(group))]
+    spreads = [
+        f"{condition.name}: {both.models:.2f}, {both.visits:.2f}"
+        for condition, group in found
+        if (both := spread(group)) is not None
+    ]
     return Panel(
         title=design.title,
         x_label=x_label,
@@ -76,8 +81,15 @@ def independent_units(group: Group) -> tuple[list[str], str]:
     return own, "visits of one model" if models[0] and len(models) > 1 == len(set(models)) else "seeds"
 
 
-def spread(group: Group) -> str:
-    """For crossed models the standard deviation of a settled trial's mean between models, and between visits of one.
+class Spread(NamedTuple):
+    """Standard deviations of a settled trial's mean: between models, and between visits of one model."""
+
+    models: float
+    visits: float
+
+
+def spread(group: Group) -> Spread | None:
+    """The spreads of a group with crossed models; None for another.
 
     One-way analysis of variance: the models' means vary by the visits' chance too, which is taken off.
     """
@@ -87,11 +99,11 @@ def spread(group: Group) -> str:
     of_model = [settled[[unit == each for each in units]] for unit in dict.fromkeys(units)]
     repeated = [visits for visits in of_model if len(visits) > 1]
     if not repeated or len(of_model) < 2:
-        return ""
+        return None
     within = float(np.mean([visits.var(ddof=1) for visits in repeated]))
     means = float(np.var([visits.mean() for visits in of_model], ddof=1))
     between = max(means - within * len(of_model) / len(units), 0.0)
-    return f"{math.sqrt(between):.2f}, {math.sqrt(within):.2f}"
+    return Spread(math.sqrt(between), math.sqrt(within))
 
 
 def _references(source: Source, design: Design, settings: Experiment) -> list[Reference]:

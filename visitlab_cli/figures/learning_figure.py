@@ -23,6 +23,11 @@ def draw_fig8(source: Source) -> Drawing:
     return _draw(source, FIG_8)
 
 
+def draw_visit(source: Source) -> Drawing:
+    """Adapting to another human alone, the right of Fig. 8."""
+    return _draw(source, FIG_8[1:])
+
+
 def _draw(source: Source, designs: Sequence[Design]) -> Drawing:
     """Those panels that the run has anything for."""
     panels = [panel for design in designs if (panel := panel_of(source, design)) is not None]

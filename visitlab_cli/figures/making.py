@@ -25,14 +25,17 @@ class Made(NamedTuple):
     notes: dict[str, list[str]]
 
 
-def make_figures(run: Path, strip: Strip, only: Sequence[str] = (), kind: str = "svg") -> Made:
-    """Draw the figures that the run has the data for, in `RUN/figures/`; the same bytes for the same run.
+def make_figures(
+    run: Path, strip: Strip, only: Sequence[str] = (), kind: str = "svg", into: Path | None = None
+) -> Made:
+    """Draw the figures that the run has the data for; the same bytes for the same run.
 
     Args:
         run: the run's folder.
         strip: draws a trial of a log as a strip, for Fig. 9.
         only: names of figures; none for all.
         kind: svg, png or pdf.
+        into: the folder for them, made where it is missing; `RUN/figures/` if not given.
 
     Raises:
         UsageError: no such figure or format.
@@ -51,7 +54,7 @@ def make_figures(run: Path, strip: Strip, only: Sequence[str] = (), kind: str = 
             drawing = _draw(source, name, strip)
             made.notes[name] = list(drawing.notes)
             if drawing.figure is not None:
-                target = run / FOLDER / f"{name}.{kind}"
+                target = (into or run / FOLDER) / f"{name}.{kind}"
                 save(drawing.figure, target)
                 made.files.append(target)
     if not made.files:

@@ -69,11 +69,20 @@ def save(figure: "Figure", target: Path) -> None:
     kind = target.suffix[1:]
     content = BytesIO()
     figure.savefig(content, format=kind, dpi=PIXELS_PER_INCH, metadata=FORMATS[kind])
+    write(target, content.getvalue())
+
+
+def write(target: Path, content: bytes) -> None:
+    """Write a file, and the folder that it lies in; it appears whole or not at all.
+
+    Raises:
+        RunError: it cannot be written.
+    """
     beside = target.with_name(f".tmp-{target.name}-{uuid.uuid4().hex[:8]}")
     try:
-        target.parent.mkdir(exist_ok=True)
+        target.parent.mkdir(parents=True, exist_ok=True)
         try:
-            beside.write_bytes(content.getvalue())
+            beside.write_bytes(content)
             os.replace(beside, target)
         finally:
             beside.unlink(missing_ok=True)

@@ -1,0 +1,146 @@
+"""What a social module believes, as a picture.
+
+The learned Fig. 4 beside the true one, what it would do around the human, and how both change while it adapts to
+another human.
+"""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from visitlab_cli.analysis.affordances import Affordances
+from visitlab_cli.errors import UsageError
+from visitlab_cli.figures.affordance_changes import draw_changes
+from visitlab_cli.figures.affordance_graph import HEIGHT, WIDTH, draw_graph
+from visitlab_cli.figures.affordance_maps import draw_map, key
+from visitlab_cli.figures.style import FORMATS, GREY, INK, PAGE, SMALL, STYLE, save, styled
+from visitlab_cli.story import LEVEL_NAMES
+from visitlab_cli.world.enums import N_LEVELS
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+# In inches.
+EDGE, TITLE, GAP = 0.08, 0.24, 0.12
+GRAPH = (PAGE - 3 * EDGE) / 2
+NAMES, CHANGE, LINES, BELOW = 1.72, 1.8, 2.25, 0.5
+MAPS_TITLE, ROW_NAME, MAP, WORDS = 0.36, 0.5, 0.83, 0.66
+MOST_VISITS = 3
+"""Visits that are shown; the others are in `--json`."""
+
+
+class Sheet:
+    """A figure that is filled from the top, in inches."""
+
+    def __init__(self, height: float) -> None:
+        """Begin a page of this height."""
+        from matplotlib.figure import Figure
+
+        self.figure = Figure(figsize=(PAGE, height))
+        self.height = height
+        self.top = 0.0
+
+    def axes(self, left: float, width: float, height: float) -> "Axes":
+        """Axes whose upper edge lies at `top`."""
+        bottom = self.height - self.top - height
+        return self.figure.add_axes(
+            (left / PAGE, bottom / self.height, width / PAGE, height / self.height), facecolor="none"
+        )
+
+    def write(self, words: str, **look: Any) -> None:
+        """Words below `top`, at the left."""
+        self.figure.text(EDGE / PAGE, 1 - self.top / self.height, words, va="top", **look)
+
+
+def save_affordances(found: Affordances, target: Path) -> None:
+    """Write the picture as .svg, .png or .pdf; the same bytes for the same module.
+
+    Raises:
+        UsageError: another ending.
+        RunError: it cannot be written.
+    """
+    if target.suffix[1:] not in FORMATS:
+        raise UsageError(f"--picture {target}: must end in {', '.join(f'.{kind}' for kind in FORMATS)}")
+    with styled(STYLE):
+        save(draw_affordances(found), target)
+
+
+def draw_affordances(found: Affordances) -> "Figure":
+    """The graphs; what each visit changed; the maps, a row for the trained module and one for each visit."""
+    visits = found.adaptations[:MOST_VISITS]
+    graphs = TITLE + GRAPH * HEIGHT / WIDTH + GAP
+    changes = TITLE + LINES + BELOW + GAP if visits else 0.0
+    maps = MAPS_TITLE + MAP * (1 + len(visits)) + WORDS
+    sheet = Sheet(graphs + changes + maps)
+    _graphs(sheet, found)
+    if visits:
+        _changes(sheet, found)
+    _maps(sheet, found)
+    return sheet.figure
+
+
+def in_words(human: str) -> str:
+    """A human's name as a reader says it: 'human 2 pointing'."""
+    return human.replace("_", " ")
+
+
+def _graphs(sheet: Sheet, found: Affordances) -> None:
+    sheet.top += TITLE
+    human = in_words(found.cell.human)
+    height = GRAPH * HEIGHT / WIDTH
+    learned, true = sheet.axes(EDGE, GRAPH, height), sheet.axes(2 * EDGE + GRAPH, GRAPH, height)
+    draw_graph(learned, found.knows, f"Learned with {human}: probability (times tried)", true=False)
+    draw_graph(true, found.knows, f"True for {human} (varies: with where both stand)", true=True)
+    sheet.top += height + GAP
+
+
+def _changes(sheet: Sheet, found: Affordances) -> None:
+    sheet.top += TITLE
+    for index, visit in enumerate(found.adaptations[:MOST_VISITS]):
+        axes = sheet.axes(NAMES + index * CHANGE, CHANGE - GAP, LINES)
+        draw_changes(axes, found, visit, in_words(visit.cell.human), named=index == 0)
+        if index == 0:
+            place: Any = {"loc": "upper right", "bbox_to_anchor": (-0.02, -0.02), "handletextpad": 0.3}
+            axes.legend(borderaxespad=0, **place)
+    sheet.top += LINES + BELOW + GAP
+
+
+def _maps(sheet: Sheet, found: Affordances) -> None:
+    from matplotlib.patches import Patch
+
+    visits = found.adaptations[:MOST_VISITS]
+    rows = [(f"trained with\n{in_words(found.cell.human)}", found.policy)]
+    rows += [(f"after visiting\n{in_words(visit.cell.human)}", visit.policy) for visit in visits]
+    sheet.write("Best action around the human, by level", fontsize=8, weight="bold")
+    sheet.top += MAPS_TITLE
+    for index, (name, policy) in enumerate(rows):
+        for level in range(N_LEVELS):
+            axes = sheet.axes(ROW_NAME + level * MAP, MAP * 0.98, MAP * 0.98)
+            draw_map(axes, policy, level, found.policy if index else None)
+            if index == 0:
+                axes.set_title(f"{level} {LEVEL_NAMES[level]}", fontsize=SMALL, pad=3)
+            if level == 0:
+                axes.set_ylabel(name, fontsize=SMALL, color=INK)
+        sheet.top += MAP
+    sheet.top += GAP / 2
+    sheet.write(_meaning(found), fontsize=SMALL, linespacing=1.3)
+    handles = [Patch(facecolor=colour, edgecolor=GREY, linewidth=0.3, label=name) for name, colour in key()]
+    look: Any = {"handlelength": 1.1, "columnspacing": 1.6, "handletextpad": 0.5}
+    sheet.figure.legend(handles=handles, loc="lower center", ncols=len(handles), borderaxespad=0.1, **look)
+
+
+def _meaning(found: Affordances) -> str:
+    """What a map shows."""
+    first, second, third, fourth = found.cell.config.interaction.distances
+    rings = f"up to {first}, {_between(first, second)}, {_between(second, third)}, {_between(third, fourth)}, more"
+    changed = "; outlined: not the best before the visit" if found.adaptations else ""
+    return (
+        "In the middle the human; up is the desired direction. A sector is where the robot stands, a ring how far "
+        f"({rings} cells);\nbetween the circles the distance is right. Arrow: where the robot moves, longer is faster. "
+        f"Strong colour: the best action for most\nof the eight desired directions, each turned up; white: never was "
+        f"there{changed}."
+    )
+
+
+def _between(low: int, high: int) -> str:
+    return str(high) if low + 1 == high else f"{low + 1} to {high}"

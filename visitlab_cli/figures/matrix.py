@@ -1,0 +1,88 @@
+"""Every trained human against every human as two heat maps, frozen and adapting, with the numbers in their cells."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from visitlab_cli.analysis.matrix import ADAPTING, FROZEN, MODES, Goals, Matrix, Pairing
+from visitlab_cli.figures.style import GREY, INK, SMALL, STYLE, VERMILION, save, styled
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.colors import Normalize
+    from matplotlib.figure import Figure
+
+COLOURS = "cividis"  # the same to people with and without colour vision deficiency; grows lighter evenly
+CELL_WIDTH, CELL_HEIGHT = 0.78, 0.5  # inches
+MARGIN_WIDTH, MARGIN_HEIGHT = 1.9, 1.15
+LIGHT = 0.55  # of the colours from which on dark numbers are read better
+TITLES = {FROZEN: "frozen", ADAPTING: "adapting"}
+
+
+def save_matrix(matrix: Matrix, target: Path) -> None:
+    """Write the picture in the format of the target's ending: svg, png or pdf; the same bytes for the same matrix.
+
+    Raises:
+        RunError: it cannot be written.
+    """
+    with styled(STYLE):
+        save(draw_matrix(matrix), target)
+
+
+def draw_matrix(matrix: Matrix) -> "Figure":
+    """Rows: the human trained with; columns: the human met; one colour scale for both panels.
+
+    A frame marks those who were trained with the human that they meet.
+    """
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import Normalize
+    from matplotlib.figure import Figure
+
+    rows, columns = len(matrix.trained), len(matrix.met)
+    width = len(MODES) * columns * CELL_WIDTH + MARGIN_WIDTH
+    figure = Figure(figsize=(width, rows * CELL_HEIGHT + MARGIN_HEIGHT), layout="constrained")
+    panels = figure.subplots(1, len(MODES), sharey=True, squeeze=False)[0]
+    known = [goals.value.mean for goals in matrix.goals.values() if goals.value]
+    scale = Normalize(0.0, max(known, default=0.0) or 1.0)
+    for axes, mode in zip(panels, MODES, strict=True):
+        _draw_panel(axes, matrix, mode, scale)
+    panels[0].set_ylabel("trained with")
+    fewest, most = matrix.seeds
+    n = str(most) if fewest == most else f"{fewest} to {most}"
+    bar = figure.colorbar(ScalarMappable(scale, COLOURS), ax=panels, pad=0.02, label="goals a trial")
+    bar.outline.set_visible(False)
+    figure.supxlabel(
+        f"{matrix.visit} with {matrix.social}, n = {n}: mean ± half of the 95% interval; "
+        f"frozen: all {matrix.trials:,} trials, adapting: their last tenth; framed: who was trained with",
+        fontsize=SMALL,
+        color=GREY,
+    )
+    return figure
+
+
+def _draw_panel(axes: "Axes", matrix: Matrix, mode: str, scale: "Normalize") -> None:
+    from matplotlib.patches import Rectangle
+
+    trained, met = matrix.trained, matrix.met
+    found = [[matrix.goals[Pairing(row, column, mode)] for column in met] for row in trained]
+    means = np.array([[goals.value.mean if goals.value else np.nan for goals in row] for row in found])
+    axes.imshow(means, cmap=COLOURS, norm=scale, aspect="auto")
+    for row, column in np.ndindex(means.shape):
+        colour = INK if np.isnan(means[row, column]) or scale(means[row, column]) > LIGHT else "white"
+        axes.text(column, row, _words(found[row][column]), ha="center", va="center", color=colour, linespacing=1.4)
+        if trained[row] == met[column]:
+            axes.add_patch(Rectangle((column - 0.47, row - 0.46), 0.94, 0.92, fill=False, color=VERMILION, lw=1.6))
+    axes.set_xticks(range(len(met)), met, rotation=20 if len(max(met, key=len)) > 10 else 0)
+    axes.set_yticks(range(len(trained)), trained)
+    axes.tick_params(length=0)
+    axes.spines[:].set_visible(False)
+    axes.set_title(TITLES[mode])
+    axes.set_xlabel("leads")
+
+
+def _words(goals: Goals) -> str:
+    if goals.value is None:
+        return "–"
+    half = "" if np.isnan(goals.value.half) else f"\n± {goals.value.half:.2f}"
+    return f"{goals.value.mean:.2f}{half}"

@@ -1,0 +1,127 @@
+"""What single choices move: every variant of a curve beside the paper's text."""
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from visitlab_cli.analysis.comparison import FIRST, LAST, Comparison, judge_parts, part_slices
+from visitlab_cli.analysis.curves import OurCurve
+from visitlab_cli.analysis.judge import Judgement, Verdict, worst
+from visitlab_cli.analysis.summary_estimate import Estimate, difference_of, mean_of
+from visitlab_cli.analysis.summary_groups import unit_of
+from visitlab_cli.execution.cells import Cell
+from visitlab_cli.figures.page.evidence import Choice, Evidence
+from visitlab_cli.figures.page.words import (
+    CONDITIONS,
+    MARKS,
+    NOT_RUN,
+    changed,
+    curve_name,
+    estimate,
+    marked,
+    part_name,
+    table,
+)
+from visitlab_cli.storage.cell_folder import read_cell
+
+VISIT = "fig8_adaptation"
+SHOWN = FIRST, LAST
+TEXT = "the paper's text"
+
+
+def effect(evidence: Evidence, ours: Comparison, choice: Choice, part: str) -> Estimate | None:
+    """What a choice moves a part of a curve by, seeds paired where the same seed means the same luck."""
+    theirs = choice.curve(ours.published)
+    if theirs is None or choice.variant is None:
+        return None
+    place = part_slices(len(ours.published.mean))[part]
+    base, other = (curve.rewards[:, place].mean(axis=1).tolist() for curve in (ours.ours, theirs))
+    before = dict(zip(_units(ours.ours, evidence.cells, evidence.run), base, strict=True))
+    after = dict(zip(_units(theirs, choice.variant.cells, choice.variant.run), other, strict=True))
+    same_luck = ours.ours.cell.config.seed == theirs.cell.config.seed
+    common = [unit for unit in before if unit in after] if same_luck else []
+    if common:
+        return mean_of([after[unit] - before[unit] for unit in common])
+    return difference_of(base, other)
+
+
+def visit_effects(evidence: Evidence) -> str:
+    """Fig. 8 right: what each choice moves, in the first and the last tenth of the trials."""
+    rows = []
+    curves = _visits(evidence)
+    for choice in _in_order(evidence):
+        found = [effect(evidence, curve, choice, part) for curve in curves for part in SHOWN]
+        rows.append([_set(choice), *(estimate(each) if each else NOT_RUN for each in found)])
+    return table(["choice", *_columns(curves)], rows)
+
+
+def visit_distances(evidence: Evidence) -> str:
+    """Fig. 8 right: how far from the published curves each choice is; how many of all parts have which verdict."""
+    curves = _visits(evidence)
+    rows = [_distances(TEXT, [curve.parts for curve in curves])]
+    for choice in _in_order(evidence):
+        rows.append(_distances(f"`{choice.name}`", [judged(evidence, curve, choice) for curve in curves]))
+    return table(["run", *_columns(curves), " / ".join(MARKS[verdict] for verdict in Verdict)], rows)
+
+
+def _distances(name: str, curves: Sequence[dict[str, Judgement] | None]) -> list[str]:
+    shown = [marked(parts[part]) if parts else NOT_RUN for parts in curves for part in SHOWN]
+    verdicts = [part.verdict for parts in curves if parts for part in parts.values()]
+    counts = " / ".join(str(verdicts.count(verdict)) for verdict in Verdict)
+    return [name, *shown, counts if verdicts else NOT_RUN]
+
+
+def judged(evidence: Evidence, ours: Comparison, choice: Choice) -> dict[str, Judgement] | None:
+    """The parts of a variant's curve against the published one."""
+    theirs = choice.curve(ours.published)
+    return judge_parts(theirs.rewards, ours.published.mean, evidence.margin) if theirs else None
+
+
+def other_choices(evidence: Evidence) -> str:
+    """All curves but those of the visit: what they were, what they become with each choice."""
+    rows = list(_other_rows(evidence))
+    if not rows:
+        return "The run has no curve that a variant decides otherwise."
+    return table(["curve", "choice", "first tenth", "last tenth", "published", "verdict with it"], rows, words=2)
+
+
+def _other_rows(evidence: Evidence) -> Iterator[list[str]]:
+    told = set()
+    for ours in evidence.compared.curves:
+        key = ours.published.figure, ours.published.condition
+        for choice in evidence.choices:
+            if ours.published.figure == VISIT or key not in choice.changes or (ours.ours.group, choice.name) in told:
+                continue
+            told.add((ours.ours.group, choice.name))
+            parts = judged(evidence, ours, choice)
+            moved = [f"{ours.parts[part].ours:.2f} → {parts[part].ours:.2f}" if parts else NOT_RUN for part in SHOWN]
+            published = ", ".join(f"{ours.parts[part].published:.2f}" for part in SHOWN)
+            verdict = str(worst([part.verdict for part in parts.values()])) if parts else NOT_RUN
+            yield [curve_name(*key), changed(choice.changes[key]), *moved, published, verdict]
+
+
+def _units(curve: OurCurve, cells: Sequence[Cell], run: Path) -> list[str]:
+    """The names of a curve's rows, in their order."""
+    of_curve = [cell for cell in cells if cell.group == curve.group]
+    return list(dict.fromkeys(unit_of(cell) for cell in of_curve if read_cell(run / cell.path) is not None))
+
+
+def _visits(evidence: Evidence) -> list[Comparison]:
+    return [each for each in evidence.compared.curves if each.published.figure == VISIT]
+
+
+def _columns(curves: list[Comparison]) -> list[str]:
+    return [f"{CONDITIONS[each.published.condition]}, {part_name(part)}" for each in curves for part in SHOWN]
+
+
+def _in_order(evidence: Evidence) -> list[Choice]:
+    """The variants of Fig. 8 right, single choices first; those that only cross models have a table of their own."""
+    found = [choice for choice in evidence.choices_of(VISIT) if not choice.crossed]
+    return sorted(found, key=lambda choice: len(_of_visit(choice)))
+
+
+def _of_visit(choice: Choice) -> list[str]:
+    return next(changes for (figure, _), changes in choice.changes.items() if figure == VISIT)
+
+
+def _set(choice: Choice) -> str:
+    return f"`{choice.name}`: {changed(_of_visit(choice))}"
