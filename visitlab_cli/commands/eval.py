@@ -52,18 +52,18 @@ def command(
     check_options(matrix=matrix, frozen=frozen, picture=picture)
     folder = find_run(run, out)
     config = read_config(folder)
+    humans = list(config.humans)
     for name in human or []:
-        if name not in config.humans:
+        if name not in humans:
             raise UsageError(
-                f"--human {printable(name)}: the run's config declares no such human{or_else(name, list(config.humans))}"
+                f"--human {printable(name)}: the run's config declares no such human{or_else(name, humans)}"
             )
     visits = [name for name, each in config.experiments.items() if each.task == VISIT]
     if not visits:
         raise UsageError(f"{folder}: its config declares no visit")
     if experiment and experiment not in visits:
-        raise UsageError(
-            f"--experiment {printable(experiment)}: the run's config declares no such visit{or_else(experiment, visits)}"
-        )
+        near = or_else(experiment, visits)
+        raise UsageError(f"--experiment {printable(experiment)}: the run's config declares no such visit{near}")
     how = How(workers, dry_run, as_json, quiet, verbose)
     if matrix:
         planned = planned_cells(folder, config, experiment or visits[0], human or (), trials)

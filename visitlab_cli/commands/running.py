@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
@@ -65,16 +66,26 @@ def run_and_tell(run: Path, config: "Config", cells: "Sequence[Cell]", how: How)
         tell_plan(run, cells, workers=workers, as_json=how.as_json)
         return
     from visitlab_cli.analysis.results import results
+    from visitlab_cli.commands.dry_run import duration
+    from visitlab_cli.commands.runs_words import size_in_words
+    from visitlab_cli.execution.estimate import estimate
     from visitlab_cli.execution.progress import Progress
     from visitlab_cli.execution.runner import missing_cells, run_cells
     from visitlab_cli.execution.warm_up import warm_up
+    from visitlab_cli.storage.on_disk import bytes_below
 
     progress = Progress(how.quiet, how.verbose)
     missing = missing_cells(run, cells)
     if missing:
-        progress.say(f"{run}: {len(missing)} of {len(cells)} cells to do")
+        cost = estimate(missing, workers)
+        there = f"about {duration(cost.seconds)} and {size_in_words(cost.bytes)} on the disk"
+        progress.say(f"{run}: {len(missing)} of {len(cells)} cells to do, {there}")
+        if cost.bytes > (free := shutil.disk_usage(run).free):
+            progress.say(f"the disk has only {size_in_words(free)} left; record.steps=none writes no logs")
         warm_up(missing, progress.say)
     failures = run_cells(run, cells, workers, progress)
+    if missing:
+        progress.say(f"{run}: {size_in_words(bytes_below(run))} on the disk")
     lines = results(run, config, cells)
     if how.as_json:
         typer.echo(json.dumps({"run": str(run), "results": [line.as_json() for line in lines]}, indent=2))
