@@ -1,0 +1,178 @@
+"""The page as text: what it tells of a run, what it escapes, that it is closed to the network."""
+
+import re
+
+import numpy as np
+import pytest
+
+from tests.analysis.runs_by_hand import open_lab, reach
+from tests.report.parsed import Parsed
+from visitlab_cli.analysis.results import Result
+from visitlab_cli.config.loading import load_text
+from visitlab_cli.report.best_trial import best_trials
+from visitlab_cli.report.curves import charts_of, in_batches
+from visitlab_cli.report.making import gather, make_report
+from visitlab_cli.report.page import render
+from visitlab_cli.storage.arrays import read_trials
+from visitlab_cli.storage.run_folder import read_config, read_versions, run_name
+
+HOSTILE = "</script><script>document.title='hurt'</script><img src=x onerror=alert(1)>\"'&"
+NETWORK = re.compile(r"""https?:|//\w+\.|@import|url\(|\bsrc=|fetch\(|XMLHttp|WebSocket|importScripts|eval\(""")
+
+
+SVG = "http://www.w3.org/2000/svg"
+UNRECORDED = "record: {steps: none}\n"
+
+
+def hostile(report):
+    """A report in which every word that a config, a cell or a file of versions gives is an attack."""
+    facts = report.facts
+    lines = [
+        line._replace(
+            group=line.group._replace(
+                path=HOSTILE + line.group.path, agent=HOSTILE, human=HOSTILE, point=((HOSTILE, HOSTILE),)
+            )
+        )
+        for line in facts.summaries
+    ]
+    expected = {line.group.path: Result(HOSTILE, HOSTILE, 1, 1, 1.0, 1.0, 0.1) for line in lines}
+    facts = facts._replace(name=HOSTILE, summaries=lines, expected=expected, versions={HOSTILE: [HOSTILE]})
+    charts = [
+        chart._replace(title=HOSTILE, y=HOSTILE, curves=[curve._replace(name=HOSTILE) for curve in chart.curves])
+        for chart in report.charts
+    ]
+    trials = [
+        each | {"group": HOSTILE, "cell": HOSTILE, "captions": [HOSTILE] * len(each["captions"])}
+        for each in report.trials
+    ]
+    return facts, charts, trials
+
+
+def test_it_is_closed_to_the_network(tiny_page):
+    page = tiny_page.read_text()
+    parsed = Parsed(page)
+    (policy,) = [meta["content"] for meta in parsed.attributes("meta") if "http-equiv" in meta]
+    assert policy.startswith("default-src 'none'; script-src 'sha256-")
+    assert "unsafe" not in policy
+    assert NETWORK.findall(page.replace(SVG, "")) == []
+    assert {name for name, _ in parsed.elements} & {"link", "iframe", "img", "object", "base", "form"} == set()
+    assert [each["href"][0] for each in parsed.attributes("a")] == ["#"] * len(parsed.attributes("a"))
+
+
+def test_it_tells_what_was_run_and_what_came_out(tiny_run, tiny_page):
+    parsed = Parsed(tiny_page.read_text())
+    facts = gather(tiny_run).facts
+    for line in facts.summaries:
+        assert line.group.experiment in parsed.text
+        assert f"{line.value.mean:.2f}" in parsed.text
+    assert f"{len(facts.cells)} of {len(facts.cells)} cells" in parsed.text
+    assert "Incomplete" not in parsed.text
+    assert "visitlab run tiny.yaml" in parsed.text
+    assert (tiny_run / "config.yaml").read_text() in "".join(parsed.words)
+    for name, version in read_versions(tiny_run).items():
+        assert f"{name} {version}" in " ".join(parsed.words)
+
+
+def test_the_config_that_it_shows_is_the_same_run_again(tiny_run, tiny_page):
+    parsed = Parsed(tiny_page.read_text())
+    config = next(words for words in parsed.words if words.startswith("name: tiny\n"))
+    assert run_name(load_text(config, "tiny.yaml")) == tiny_run.name
+
+
+def test_every_word_from_outside_is_escaped(tiny_run):
+    report = gather(tiny_run)
+    harmless, attacked = Parsed(render(*report)), Parsed(render(*hostile(report)))
+    assert {name for name, _ in attacked.elements} == {name for name, _ in harmless.elements}
+    assert not [each for _, attributes in attacked.elements for each in attributes if each.startswith("on")]
+    assert len(attacked.attributes("script")) == 2
+    assert attacked.text.count(" ".join(HOSTILE.split())) > len(report.facts.summaries)
+    assert attacked.data["charts"][0]["title"] == HOSTILE
+    assert attacked.scripts[""] == harmless.scripts[""]
+
+
+def test_the_best_trial_of_each_visit_is_the_best(tiny_run):
+    report = gather(tiny_run)
+    assert [each["group"] for each in report.trials] == ["visit/fast", "visit/slow", "visit_scripted/fast_pointing"]
+    for each in report.trials:
+        rewards = read_trials(tiny_run / each["cell"] / "trials.parquet")["reward"]
+        assert each["goals"] == rewards.max() == rewards[each["trial"]] == sum(each["columns"]["reward"][1:])
+        assert {len(values) for values in [*each["columns"].values(), each["captions"]]} == {each["steps"] + 1}
+
+
+def test_a_long_trial_is_cut_and_says_so(tiny_run, monkeypatch):
+    monkeypatch.setattr("visitlab_cli.report.best_trial.MOST_STEPS", 10)
+    monkeypatch.setattr("visitlab_cli.report.best_trial.MOST_TRIALS", 1)
+    (each,) = best_trials(tiny_run, [line.group for line in gather(tiny_run).facts.summaries])
+    assert (each["steps"], len(each["captions"]), len(each["columns"]["reward"])) == (100, 11, 11)
+    assert all(step <= 10 for step, _ in each["moments"])
+
+
+def test_without_steps_it_says_so(tmp_path):
+    run, cells = open_lab(tmp_path, more=UNRECORDED)
+    reach(run, cells, dict.fromkeys(cells, 1.0))
+    parsed = Parsed(make_report(run).read_text())
+    assert "No steps were recorded" in parsed.text
+    assert parsed.data["trials"] == []
+
+
+def test_of_a_run_begun_and_of_one_without_a_cell(tmp_path):
+    run, cells = open_lab(tmp_path, seeds=2)
+    assert "No cell is finished yet" in Parsed(make_report(run).read_text()).text
+    reach(run, cells, {"navigation/mb/seed-0000": 3.0})
+    parsed = Parsed(make_report(run).read_text())
+    assert f"Incomplete: {len(cells) - 1} cells of {len(cells)} not run yet." in parsed.text
+    assert "1 (1 of 2 cells)" in parsed.text
+    assert [chart["title"] for chart in parsed.data["charts"]] == ["navigation"]
+
+
+def test_the_intervals_are_students(tmp_path):
+    run, cells = open_lab(tmp_path, seeds=3)
+    reach(run, cells, {f"navigation/mb/seed-000{seed}": value for seed, value in enumerate((1.0, 2.0, 3.0))})
+    (chart,) = charts_of(run, [line.group for line in gather(run).facts.summaries])
+    (curve,) = chart.curves
+    half = 4.302653 / np.sqrt(3)  # t of 2 degrees of freedom, deviation 1
+    assert (curve.n, curve.end) == (3, 400)
+    assert curve.mean == [2.0] * 20
+    assert curve.half == pytest.approx([half] * 20, abs=1e-3)
+    assert chart.bounds.optimum > 18
+    assert f"2.00 ± {half:.2f}" in make_report(run).read_text()
+
+
+def test_crossed_models_are_no_more_seeds(tmp_path):
+    run, cells = open_lab(tmp_path, seeds=2, models="crossed", more=UNRECORDED)
+    visits = [path for path in cells if path.startswith("visit/slow")]
+    reach(run, cells, {path: float(place) for place, path in enumerate(visits)})
+    (chart,) = charts_of(run, [line.group for line in gather(run).facts.summaries])
+    assert len(visits) == 4
+    assert [curve.n for curve in chart.curves] == [2]
+
+
+def test_batches_keep_the_mean_of_all_trials():
+    rewards = np.arange(1000.0)
+    assert in_batches(rewards, 200).shape == (200,)
+    assert in_batches(rewards, 200).mean() == rewards.mean()
+    assert in_batches(rewards[:7], 200).tolist() == list(range(7))
+    uneven = in_batches(rewards[:7], 3)
+    assert len(uneven) == 3
+    assert (np.diff(uneven) > 0).all()
+
+
+def test_a_large_grid_stays_small(tmp_path, monkeypatch):
+    run, cells = open_lab(tmp_path, more=UNRECORDED)
+    reach(run, cells, dict.fromkeys(cells, 1.0))
+    monkeypatch.setattr("visitlab_cli.report.curves.ALL_POINTS", 60)
+    charts = charts_of(run, [line.group for line in gather(run).facts.summaries])
+    assert {len(curve.mean) for chart in charts for curve in chart.curves} == {10}
+
+
+def test_the_same_run_gives_the_same_bytes_wherever_it_lies(tiny_run, tiny_page, tmp_path):
+    import shutil
+
+    moved = tmp_path / "<b> moved"
+    shutil.copytree(tiny_run, moved)
+    for timing in moved.rglob("timing.json"):
+        timing.unlink()
+    assert make_report(moved).read_bytes() == tiny_page.read_bytes()
+    assert make_report(moved).read_bytes() == tiny_page.read_bytes()
+    assert read_config(moved).name in tiny_page.read_text()
+    assert not [file for file in moved.iterdir() if file.name.startswith(".")]

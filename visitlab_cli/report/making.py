@@ -1,0 +1,97 @@
+"""From a run folder to its page: what it holds is gathered, laid out, and written whole or not at all."""
+
+import os
+import uuid
+from collections.abc import Sequence
+from contextlib import suppress
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from visitlab_cli.analysis.results import Result, results
+from visitlab_cli.analysis.summary import summaries
+from visitlab_cli.config.model import Config
+from visitlab_cli.errors import RunError, UsageError
+from visitlab_cli.execution.cells import Cell, plan
+from visitlab_cli.report.best_trial import best_trials
+from visitlab_cli.report.curves import Chart, charts_of
+from visitlab_cli.report.facts import Facts
+from visitlab_cli.report.page import BEGINNING, render
+from visitlab_cli.storage.cell_folder import one_line, read_cell
+from visitlab_cli.storage.run_folder import read_config, read_versions, run_name
+
+FILE = "report.html"
+
+
+class Report(NamedTuple):
+    """What a page shows."""
+
+    facts: Facts
+    charts: list[Chart]
+    trials: list[dict[str, Any]]
+
+
+def gather(run: Path) -> Report:
+    """What the page of a run shows; nothing of it depends on when, where or how fast the run was made.
+
+    Raises:
+        NotFoundError: this is no run folder.
+        RunError: the run is damaged.
+    """
+    config = read_config(run)
+    cells = plan(config)
+    lines = summaries(run, cells)
+    groups = [line.group for line in lines]
+    facts = Facts(run_name(config), config, cells, lines, _expected(run, config, cells), _versions(run, cells))
+    return Report(facts, charts_of(run, groups), best_trials(run, groups))
+
+
+def _expected(run: Path, config: Config, cells: Sequence[Cell]) -> dict[str, Result]:
+    """What the config expects of a group and what it has, by the group's path."""
+    return {each.group: each for each in results(run, config, cells) if each.expected is not None}
+
+
+def _versions(run: Path, cells: Sequence[Cell]) -> dict[str, list[str]]:
+    """For each name all versions that the run was begun with and its cells were made with."""
+    found: dict[str, set[str]] = {}
+    facts = [each for cell in cells if (each := read_cell(run / cell.path)) is not None]
+    for versions in (read_versions(run), *(each.get("versions", {}) for each in facts)):
+        for name, version in versions.items():
+            found.setdefault(name, set()).add(str(version))
+    return {name: sorted(versions) for name, versions in found.items()}
+
+
+def make_report(run: Path, target: Path | None = None) -> Path:
+    """Write the page of a run to `target`, else to `RUN/report.html`; the same bytes for the same run.
+
+    Raises:
+        NotFoundError: this is no run folder.
+        UsageError: `target` is there and no report.
+        RunError: the run is damaged, or the file cannot be written.
+    """
+    file = target or run / FILE
+    _check(file)
+    content = render(*gather(run)).encode()
+    beside = file.with_name(f".tmp-{FILE}-{uuid.uuid4().hex[:8]}")
+    try:
+        try:
+            beside.write_bytes(content)
+            os.replace(beside, file)
+        finally:
+            with suppress(OSError):
+                beside.unlink(missing_ok=True)
+    except OSError as error:
+        raise RunError(f"{file}: can't be written: {one_line(error)}") from error
+    return file
+
+
+def _check(file: Path) -> None:
+    """Refuse to take the place of anything but a report."""
+    try:
+        with file.open("rb") as there:
+            ours = there.read(len(BEGINNING)) == BEGINNING.encode()
+    except (FileNotFoundError, NotADirectoryError):
+        return
+    except OSError as error:
+        raise RunError(f"{file}: can't be written: {one_line(error)}") from error
+    if not ours:
+        raise UsageError(f"{file}: exists and is no report of visitlab; choose another file with -o")

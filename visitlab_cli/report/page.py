@@ -1,0 +1,103 @@
+"""The page as text: one file that asks the network for nothing and runs no script but its own."""
+
+import base64
+import hashlib
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from visitlab_cli.report.curves import Chart
+from visitlab_cli.report.facts import Facts
+from visitlab_cli.report.markup import Html, element
+from visitlab_cli.report.results_table import results
+from visitlab_cli.report.sections import charts, head, repeat, trial, what_was_run
+from visitlab_cli.story import (
+    DESIRED,
+    DISTANCE_NAMES,
+    GOAL,
+    HUMAN,
+    LEVEL_COLOURS,
+    LEVEL_NAMES,
+    ROBOT,
+    Colour,
+    room_name,
+)
+from visitlab_cli.world.grid import LAB_SIZE, N_ROOMS, ROOM_SIZE
+
+BEGINNING = "<!doctype html>\n<!-- a report of visitlab -->\n"
+"""How every report begins: what begins otherwise is somebody else's file."""
+HERE = Path(__file__).parent
+STYLES = ("page.css", "parts.css")
+SCRIPTS = ("page.js", "chart.js", "lab.js", "player.js")
+SECTIONS = {"run": "What was run", "results": "Results", "curves": "Learning curves", "trial": "Best trial"}
+_ESCAPES = {"<": "\\u003c", ">": "\\u003e", "&": "\\u0026"}
+
+
+def render(facts: Facts, curves: Sequence[Chart], trials: Sequence[dict[str, Any]]) -> str:
+    """The page of a run."""
+    style, script = _joined(STYLES), _joined(SCRIPTS)
+    body = element(
+        "body",
+        element("a", "Skip to the results", class_="skip", href="#results"),
+        head(facts, SECTIONS | {"repeat": "Repeat it"}),
+        element(
+            "main",
+            what_was_run(facts, SECTIONS["run"]),
+            results(facts, SECTIONS["results"]),
+            charts(curves, SECTIONS["curves"]),
+            trial(facts, trials, SECTIONS["trial"]),
+            repeat(facts),
+        ),
+        element("footer", "Written by visitlab report. This page asks the network for nothing."),
+        _data({"charts": [chart.as_json() for chart in curves], "trials": list(trials), "story": _story()}),
+        element("script", script),
+    )
+    return f'{BEGINNING}<html lang="en">{_header(facts.name, style, script)}{body}</html>\n'
+
+
+def _header(title: str, style: Html, script: Html) -> Html:
+    policy = (
+        f"default-src 'none'; script-src '{_digest(script)}'; style-src '{_digest(style)}'; "
+        "base-uri 'none'; form-action 'none'"
+    )
+    return element(
+        "head",
+        Html('<meta charset="utf-8">'),
+        Html(f'<meta http-equiv="Content-Security-Policy" content="{policy}">'),
+        Html('<meta name="viewport" content="width=device-width, initial-scale=1">'),
+        Html('<meta name="color-scheme" content="light dark">'),
+        element("title", f"{title} · visitlab"),
+        element("style", style),
+    )
+
+
+def _joined(names: Sequence[str]) -> Html:
+    return Html("".join((HERE / name).read_text(encoding="utf-8") for name in names))
+
+
+def _digest(text: str) -> str:
+    return f"sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}"
+
+
+def _data(values: Any) -> Html:
+    """Values for the script, in which nothing can end the element that holds them."""
+    text = json.dumps(values, separators=(",", ":"), allow_nan=False)
+    escaped = "".join(_ESCAPES.get(letter, letter) for letter in text)
+    return element("script", Html(escaped), type="application/json", id="data")
+
+
+def _story() -> dict[str, Any]:
+    """The words and colours of a trial, and the lab's measures."""
+    return {
+        "levels": list(zip(LEVEL_NAMES, map(_css, LEVEL_COLOURS), strict=True)),
+        "distances": DISTANCE_NAMES,
+        "rooms": [room_name(room) for room in range(N_ROOMS)],
+        "colours": {"robot": _css(ROBOT), "human": _css(HUMAN), "goal": _css(GOAL), "desired": _css(DESIRED)},
+        "size": LAB_SIZE,
+        "room": ROOM_SIZE,
+    }
+
+
+def _css(colour: Colour) -> str:
+    return "#" + bytes(colour).hex()

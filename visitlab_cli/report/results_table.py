@@ -1,0 +1,122 @@
+"""The table of results: a line for each group of cells, with a picture of its mean and interval."""
+
+import math
+from collections.abc import Sequence
+
+from visitlab_cli.analysis.results import Result
+from visitlab_cli.analysis.summary import LEVEL, Summary
+from visitlab_cli.report.facts import Facts
+from visitlab_cli.report.markup import Html, element
+from visitlab_cli.report.sections import section
+
+WIDTH, HEIGHT, EDGE = 140, 16, 4
+"""Of the picture of an interval, in pixels."""
+NOTE = (
+    "Mean over n independent seeds of the last tenth of trials, with its 95% interval (Student's t) and their median; "
+    f"steps until a hundredth of the trials first has {LEVEL:.0%} of the mean, median over cells."
+)
+UNKNOWN = "–"
+
+
+def results(facts: Facts, title: str) -> Html:
+    """The results of a run."""
+    lines = facts.summaries
+    varied = any(line.group.point for line in lines)
+    heads = ["Agent", "Human", *(["At"] if varied else []), "Mean", "95% interval", "Median", "n"]
+    heads += [f"Steps to {LEVEL:.0%}", *(["Config expects"] if facts.expected else [])]
+    bodies = []
+    for name in dict.fromkeys(line.group.experiment for line in lines):
+        members = [line for line in lines if line.group.experiment == name]
+        title_row = element(
+            "tr",
+            element("th", name, element("small", members[0].group.measure), scope="rowgroup", colspan=len(heads)),
+            class_="group",
+        )
+        scale = _scale(members)
+        rows = [_row(line, heads, scale, varied, facts.expected.get(line.group.path)) for line in members]
+        bodies.append(element("tbody", title_row, *rows))
+    table = element(
+        "table",
+        element("thead", element("tr", *(element("th", text, scope="col") for text in heads))),
+        *bodies,
+        class_="stacked numbers",
+    )
+    return section("results", title, element("p", NOTE, class_="note"), table)
+
+
+def _row(
+    line: Summary, heads: Sequence[str], scale: tuple[float, float], varied: bool, expected: Result | None
+) -> Html:
+    group = line.group
+    short = line.done < len(group.cells)
+    n = f"{line.n}" + (f" ({line.done} of {len(group.cells)} cells)" if short else "")
+    steps = UNKNOWN if line.steps_to_level is None else f"{line.steps_to_level:,.0f}"
+    cells: list[str] = [
+        group.agent,
+        group.human or UNKNOWN,
+        *([", ".join(f"{path}={value}" for path, value in group.point) or UNKNOWN] if varied else []),
+        element("b", _mean(line)),
+        _picture(line, scale),
+        UNKNOWN if line.median is None else f"{line.median:.2f}",
+        n,
+        steps,
+    ]
+    if len(heads) > len(cells):
+        cells.append(_expectation(expected))
+    return element("tr", *(element("td", cell, data_label=head) for head, cell in zip(heads, cells, strict=True)))
+
+
+def _mean(line: Summary) -> str:
+    if line.value is None:
+        return "not run yet"
+    half = "" if math.isnan(line.value.half) else f" ± {line.value.half:.2f}"
+    return f"{line.value.mean:.2f}{half}"
+
+
+def _expectation(expected: Result | None) -> str:
+    if expected is None or expected.expected is None:
+        return UNKNOWN
+    wanted = f"{expected.expected:.2f} ± {expected.tolerance or 0:.2f}"
+    if expected.value is None:
+        return wanted
+    verdict = element("b", "missed", class_="missed") if expected.missed else element("b", "met", class_="met")
+    got = element("small", f"{expected.value:.2f} {expected.measure}")
+    return element("span", f"{wanted} ", verdict, got)
+
+
+def _scale(lines: Sequence[Summary]) -> tuple[float, float]:
+    """The least and the greatest value that the pictures of an experiment show; zero is always among them."""
+    ends = [0.0]
+    for line in lines:
+        if line.value is not None:
+            half = 0.0 if math.isnan(line.value.half) else line.value.half
+            ends += [line.value.mean - half, line.value.mean + half]
+    return min(ends), max(ends)
+
+
+def _picture(line: Summary, scale: tuple[float, float]) -> Html:
+    """The mean as a dot on a line from zero, and its interval as a bar; in words for those who do not see it."""
+    if line.value is None:
+        return element("span", UNKNOWN)
+    low, high = scale
+    mean, half = line.value
+
+    def x(value: float) -> str:
+        share = (value - low) / (high - low) if high > low else 0.0
+        return f"{EDGE + share * (WIDTH - 2 * EDGE):.1f}"
+
+    known = not math.isnan(half)
+    middle = HEIGHT // 2
+    words = f"{mean - half:.2f} to {mean + half:.2f}" if known else "one seed: no interval"
+    bar = element("line", x1=x(mean - half), x2=x(mean + half), y1=middle, y2=middle, class_="interval")
+    picture = element(
+        "svg",
+        element("line", x1=EDGE, x2=WIDTH - EDGE, y1=middle, y2=middle, class_="track"),
+        bar if known else None,
+        element("circle", cx=x(mean), cy=middle, r="3.5", class_="dot"),
+        viewBox=f"0 0 {WIDTH} {HEIGHT}",
+        width=WIDTH,
+        height=HEIGHT,
+        aria_hidden="true",
+    )
+    return element("span", picture, element("small", words), class_="estimate")

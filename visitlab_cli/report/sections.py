@@ -1,0 +1,166 @@
+"""The parts of the page that stand around its table, curves and animation."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from visitlab_cli.config.canonical import dump_yaml
+from visitlab_cli.config.experiments import Experiment, Visit
+from visitlab_cli.config.model import Config
+from visitlab_cli.report.curves import Chart
+from visitlab_cli.report.facts import Facts, counted
+from visitlab_cli.report.markup import Html, element
+from visitlab_cli.world.columns import GO_TO_HUMAN, NAVIGATION, SOCIAL, VISIT
+
+TASKS = {
+    NAVIGATION: "reach each of nine rooms and stay there",
+    GO_TO_HUMAN: "get in front of a human who stands still",
+    SOCIAL: "win a human's attention and lead it in a direction",
+    VISIT: "lead a human from goal room to goal room with the trained modules",
+}
+WITHOUT_SCRIPT = "This part needs JavaScript."
+
+
+def section(name: str, title: str, *content: str | None) -> Html:
+    """A part of the page under its title."""
+    heading = element("h2", title, id=f"{name}-title")
+    return element("section", heading, *content, id=name, aria_labelledby=f"{name}-title")
+
+
+def head(facts: Facts, titles: Mapping[str, str]) -> Html:
+    """What is seen first: the run's name, its size, and the way to each part."""
+    steps = sum(cell.steps for cell in facts.cells)
+    config = facts.config
+    told = [
+        f"{facts.done:,} of {counted(len(facts.cells), 'cell')}",
+        counted(config.seeds, "seed"),
+        counted(len(config.experiments), "experiment"),
+        f"{steps:,} steps",
+    ]
+    links = [element("a", title, href=f"#{name}") for name, title in titles.items()]
+    missing = f"Incomplete: {counted(len(facts.cells) - facts.done, 'cell')} of {len(facts.cells):,} not run yet."
+    return element(
+        "header",
+        element("div", element("p", "visit the lab", class_="eyebrow"), _theme_button(), class_="bar"),
+        element("h1", facts.name),
+        element("p", " · ".join(told), class_="facts"),
+        None if facts.complete else element("p", missing, class_="warning"),
+        element("nav", *links, aria_label="Parts of this page"),
+    )
+
+
+def _theme_button() -> Html:
+    return element("button", "Dark", type="button", id="theme", class_="quiet", aria_label="Switch light and dark")
+
+
+def what_was_run(facts: Facts, title: str) -> Html:
+    """The experiments, each with its task, agents, humans and length."""
+    heads = ("Experiment", "Agents", "Humans", "Length", "Cells")
+    rows = [_experiment(facts, name, settings) for name, settings in facts.config.experiments.items()]
+    table = element(
+        "table",
+        element("thead", element("tr", *(element("th", text, scope="col") for text in heads))),
+        element("tbody", *rows),
+        class_="stacked",
+    )
+    return section("run", title, table, _grid(facts.config))
+
+
+def _experiment(facts: Facts, name: str, settings: Experiment) -> Html:
+    if isinstance(settings, Visit):
+        agents = list(settings.modules.model_dump().values())
+        length = f"{counted(settings.trials, 'trial')} of {counted(settings.trial_steps, 'step')}"
+    else:
+        agents = [_agent(facts.config, each) for each in settings.agents]
+        length = f"{counted(settings.steps, 'step')} in trials of {settings.trial_steps:,}"
+    humans = getattr(settings, "humans", ())
+    lines = [line for line in facts.summaries if line.group.experiment == name]
+    cells = f"{sum(line.done for line in lines):,} of {sum(len(line.group.cells) for line in lines):,}"
+    return element(
+        "tr",
+        element("th", name, element("small", TASKS[settings.task]), scope="row"),
+        element("td", *_listed(agents), data_label="Modules" if isinstance(settings, Visit) else "Agents"),
+        element("td", *_listed(humans or ["none"]), data_label="Humans"),
+        element("td", length, data_label="Length"),
+        element("td", cells, data_label="Cells"),
+    )
+
+
+def _agent(config: Config, name: str) -> str:
+    kind = config.agents[name].kind
+    return name if name == kind else f"{name} ({kind})"
+
+
+def _listed(words: Sequence[str]) -> list[Html]:
+    return [element("span", word, class_="word") for word in words]
+
+
+def _grid(config: Config) -> Html | None:
+    """What varies over the grid, if anything does."""
+    if not config.vary:
+        return None
+    varied = [f"{path}: {', '.join(map(str, values))}" for path, values in config.vary.items()]
+    return element("p", "Varied: ", *_listed(varied))
+
+
+def charts(curves: Sequence[Chart], title: str) -> Html:
+    """Where the script draws the learning curves."""
+    if not curves:
+        return section("curves", title, element("p", "No cell is finished yet.", class_="note"))
+    note = (
+        "Mean reward a trial in equal batches of trials; bands are 95% intervals of the mean over seeds (Student's t). "
+        "Press a name to switch it off and on, with Shift to see it alone. Point at a chart, or focus it and use the "
+        "arrow keys, to read it."
+    )
+    frames = [
+        element("figure", element("noscript", WITHOUT_SCRIPT), class_="chart", data_chart=number)
+        for number in range(len(curves))
+    ]
+    return section("curves", title, element("p", note, class_="note"), element("div", *frames, class_="charts"))
+
+
+def trial(facts: Facts, trials: Sequence[Mapping[str, Any]], title: str) -> Html:
+    """Where the script plays the best trial, or why there is none."""
+    if trials:
+        note = "Of each visit the recorded trial in which the human reached the most goal rooms."
+        player = element("div", element("noscript", WITHOUT_SCRIPT), id="player", class_="player")
+        return section("trial", title, element("p", note, class_="note"), player)
+    if not any(isinstance(each, Visit) for each in facts.config.experiments.values()):
+        why = "This config has no visit."
+    elif not facts.config.record.one_trial_in:
+        why = "No steps were recorded (record.steps: none). A run with record.steps=every shows its best trial here."
+    else:
+        why = "No visit is finished yet."
+    return section("trial", title, element("p", why, class_="note empty"))
+
+
+def repeat(facts: Facts) -> Html:
+    """The command, the config and the versions that give the same results again."""
+    file = f"{facts.config.name}.yaml"
+    command = f"visitlab run {file}"
+    rows = [
+        element("tr", element("th", name, scope="row"), element("td", " and ".join(versions)))
+        for name, versions in sorted(facts.versions.items())
+    ]
+    return section(
+        "repeat",
+        "Repeat it",
+        element("p", "Save the config as ", element("code", file), " and run"),
+        element("div", element("pre", command, id="command"), _copy("command"), class_="code"),
+        element("p", f"With these versions every table, log and model of {facts.name} comes out again, byte by byte."),
+        element("table", element("tbody", *rows), class_="versions", aria_label="Versions"),
+        element(
+            "details",
+            element("summary", "Config"),
+            element(
+                "div",
+                element("pre", dump_yaml(facts.config), id="config", tabindex=0),
+                element("button", "Save", type="button", class_="quiet", data_save="config", data_file=file),
+                _copy("config"),
+                class_="code",
+            ),
+        ),
+    )
+
+
+def _copy(what: str) -> Html:
+    return element("button", "Copy", type="button", class_="quiet", data_copy=what)
