@@ -11,6 +11,7 @@ import visitlab_cli
 PACKAGE = Path(visitlab_cli.__file__).parent
 FLOORS = [
     {"__init__", "errors"},
+    {"whole_file"},
     {"compiled"},
     {"random_numbers"},
     {"world"},

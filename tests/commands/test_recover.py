@@ -67,7 +67,7 @@ def test_a_whole_log_is_copied(log):
     [
         ("steps.mcap", 2, "steps.mcap: is the file to recover; choose another with -o"),
         ("there.mcap", 2, "there.mcap: exists; choose another file with -o"),
-        ("no/folder.mcap", 4, "no/folder.mcap: cannot be written: No such file or directory"),
+        ("no/folder.mcap", 4, "no/folder.mcap: can't be written: No such file or directory"),
     ],
 )
 def test_what_is_refused_is_one_line_and_changes_nothing(log, output, code, message):

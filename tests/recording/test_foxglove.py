@@ -154,7 +154,7 @@ def test_nothing_is_overwritten_and_a_failure_leaves_nothing(tmp_path):
     with pytest.raises(UsageError, match=r"a.mcap: exists; choose another file with -o$"):
         write_foxglove(path, [shown("visit")], LOOK)
     assert path.read_text() == "mine"
-    with pytest.raises(RunError, match=r"cannot be written: [^\n]+$"):
+    with pytest.raises(RunError, match=r"can't be written: [^\n]+$"):
         write_foxglove(tmp_path / "missing" / "a.mcap", [shown("visit")], LOOK)
 
     def fails():

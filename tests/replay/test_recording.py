@@ -80,7 +80,7 @@ def test_positions_and_headings(recorded):
 
 
 def test_the_best_actions_are_those_of_the_model_beside_the_log(recorded):
-    trial, file, columns = recorded
+    trial, _, columns = recorded
     q = read_model(trial.path.with_name("model.npz"))["q"]
     for state, (page,) in zip(trial.steps["state"], columns["/now", "TextDocument:text"], strict=True):
         best = int(np.argmax(q[state]))

@@ -7,7 +7,7 @@ from typing import Any
 from visitlab_cli.analysis.summary import summaries
 from visitlab_cli.analysis.summary_tables import Reader, model_of, steps_of, tables, trials_of
 from visitlab_cli.execution.cells import Cell
-from visitlab_cli.recording.new_file import new_file
+from visitlab_cli.whole_file import new_file
 
 RESULTS = "results"
 READERS: dict[str, Reader] = {"trials": trials_of, "steps": steps_of, "models": model_of}

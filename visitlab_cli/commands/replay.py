@@ -55,8 +55,9 @@ def command(
 
         save_picture(chosen, step, png)
     else:
-        from visitlab_cli.replay.recording import record, write_whole
+        from visitlab_cli.replay.recording import record
         from visitlab_cli.replay.viewer import serve, show
+        from visitlab_cli.whole_file import write_whole
 
         content = record(chosen)
         if save is not None:

@@ -1,7 +1,5 @@
 """How figures look: colours that colour-blind people tell apart and a printer keeps apart, sizes, files."""
 
-import os
-import uuid
 from collections.abc import Iterator
 from contextlib import contextmanager
 from io import BytesIO
@@ -9,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from visitlab_cli.errors import RunError
+from visitlab_cli.whole_file import write_whole
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -78,13 +77,8 @@ def write(target: Path, content: bytes) -> None:
     Raises:
         RunError: it cannot be written.
     """
-    beside = target.with_name(f".tmp-{target.name}-{uuid.uuid4().hex[:8]}")
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
-        try:
-            beside.write_bytes(content)
-            os.replace(beside, target)
-        finally:
-            beside.unlink(missing_ok=True)
     except OSError as error:
         raise RunError(f"{target}: can't be written: {error.strerror or error}") from error
+    write_whole(target, content)

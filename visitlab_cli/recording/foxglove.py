@@ -26,7 +26,7 @@ from mcap.writer import Writer
 from visitlab_cli.recording import foxglove_schema, schema
 from visitlab_cli.recording.foxglove_scene import Fields, Look, ShownTrial, lab_entities, scene_entities, transforms
 from visitlab_cli.recording.foxglove_schema import FRAME_TRANSFORMS, LOG, SCENE_UPDATE, message_class
-from visitlab_cli.recording.new_file import new_file
+from visitlab_cli.whole_file import new_file
 
 TF, LAB, SCENE, CAPTION = "/tf", "/lab", "/scene", "/caption"
 SCHEMAS = {TF: FRAME_TRANSFORMS, LAB: SCENE_UPDATE, SCENE: SCENE_UPDATE, CAPTION: LOG}

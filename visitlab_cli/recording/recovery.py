@@ -13,10 +13,10 @@ import numpy as np
 from visitlab_cli.errors import NotFoundError, RunError, UsageError
 from visitlab_cli.recording.log import open_log
 from visitlab_cli.recording.mcap_file import McapFile
-from visitlab_cli.recording.new_file import new_file
 from visitlab_cli.recording.salvage import Salvage
 from visitlab_cli.recording.schema import STEP_TOPIC
 from visitlab_cli.recording.source import McapSource
+from visitlab_cli.whole_file import new_file
 
 SUFFIX = ".recovered.mcap"
 

@@ -7,10 +7,11 @@ from pathlib import Path
 
 from visitlab_cli.errors import RunError, UsageError
 from visitlab_cli.replay.program import LOOPBACK, answers, free_port, started
-from visitlab_cli.replay.recording import record, write_whole
+from visitlab_cli.replay.recording import record
 from visitlab_cli.replay.stage import TIMELINE
 from visitlab_cli.replay.trial import Trial
 from visitlab_cli.replay.viewer import recording_file, wait_until
+from visitlab_cli.whole_file import write_whole
 
 WIDTH, HEIGHT = 1600, 1000
 DRIVER_VARIABLE = "VK_DRIVER_FILES"

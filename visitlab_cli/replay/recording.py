@@ -1,12 +1,7 @@
 """A trial as a Rerun recording: the scene its task needs, in the bytes of an .rrd file with the layout in it."""
 
-import os
-import uuid
-from pathlib import Path
-
 import rerun as rr
 
-from visitlab_cli.errors import RunError
 from visitlab_cli.replay import actors, curves, lab
 from visitlab_cli.replay.blueprint import blueprint_of, view_of
 from visitlab_cli.replay.stage import Stage
@@ -48,20 +43,3 @@ def draw(stage: Stage) -> None:
     curves.draw_words(stage)
     curves.draw_states(stage)
     curves.draw_curves(stage)
-
-
-def write_whole(target: Path, content: bytes) -> None:
-    """Write a file that appears whole or not at all.
-
-    Raises:
-        RunError: it cannot be written.
-    """
-    beside = target.with_name(f".tmp-{target.name}-{uuid.uuid4().hex[:8]}")
-    try:
-        try:
-            beside.write_bytes(content)
-            os.replace(beside, target)
-        finally:
-            beside.unlink(missing_ok=True)
-    except OSError as error:
-        raise RunError(f"{target}: can't be written: {error.strerror or error}") from error

@@ -9,7 +9,6 @@ from visitlab_cli.errors import RunError, UsageError
 from visitlab_cli.replay import panel
 from visitlab_cli.replay.blueprint import view_of
 from visitlab_cli.replay.lab import GOAL_FLOOR, REACHED_FLOOR
-from visitlab_cli.replay.recording import write_whole
 from visitlab_cli.replay.trial import Trial
 from visitlab_cli.story import (
     DESIRED,
@@ -23,6 +22,7 @@ from visitlab_cli.story import (
     moments,
     strip_steps,
 )
+from visitlab_cli.whole_file import write_whole
 from visitlab_cli.world.columns import VISIT
 
 if TYPE_CHECKING:

@@ -1,9 +1,6 @@
 """From a run folder to its page: what it holds is gathered, laid out, and written whole or not at all."""
 
-import os
-import uuid
 from collections.abc import Sequence
-from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -18,6 +15,7 @@ from visitlab_cli.report.facts import Facts
 from visitlab_cli.report.page import BEGINNING, render
 from visitlab_cli.storage.cell_folder import one_line, read_cell
 from visitlab_cli.storage.run_folder import read_config, read_versions, run_name
+from visitlab_cli.whole_file import write_whole
 
 FILE = "report.html"
 
@@ -70,17 +68,7 @@ def make_report(run: Path, target: Path | None = None) -> Path:
     """
     file = target or run / FILE
     _check(file)
-    content = render(*gather(run)).encode()
-    beside = file.with_name(f".tmp-{FILE}-{uuid.uuid4().hex[:8]}")
-    try:
-        try:
-            beside.write_bytes(content)
-            os.replace(beside, file)
-        finally:
-            with suppress(OSError):
-                beside.unlink(missing_ok=True)
-    except OSError as error:
-        raise RunError(f"{file}: can't be written: {one_line(error)}") from error
+    write_whole(file, render(*gather(run)).encode())
     return file
 
 

@@ -1,9 +1,7 @@
 """A run's folder: `<name>-<hash>`, its resolved config, and how a user's word for a run finds it."""
 
 import json
-import os
 import re
-import uuid
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -14,6 +12,7 @@ from visitlab_cli.config.problems import printable
 from visitlab_cli.errors import ConfigError, NotFoundError, RunError, UsageError
 from visitlab_cli.storage.cell_folder import one_line, reason, sync, to_json, write_durably
 from visitlab_cli.storage.differences import differences, in_words
+from visitlab_cli.whole_file import whole_file
 
 CONFIG, VERSIONS = "config.yaml", "versions.json"
 LATEST = "latest"
@@ -91,12 +90,8 @@ def read_versions(run: Path) -> dict[str, str]:
 
 
 def _replace(file: Path, text: str) -> None:
-    beside = file.with_name(f".tmp-{file.name}-{uuid.uuid4().hex[:8]}")
-    try:
+    with whole_file(file) as beside:
         write_durably(beside, text)
-        os.replace(beside, file)
-    finally:
-        beside.unlink(missing_ok=True)
     sync(file.parent)
 
 

@@ -1,0 +1,51 @@
+"""A file that appears whole or not at all: written beside its place, then renamed."""
+
+import contextlib
+import os
+import uuid
+from collections.abc import Iterator
+from pathlib import Path
+
+from visitlab_cli.errors import RunError, UsageError
+
+
+@contextlib.contextmanager
+def whole_file(path: Path) -> Iterator[Path]:
+    """A path beside `path` to write to; what is there at the end of the block takes the place of `path`.
+
+    Raises:
+        RunError: it can't be written.
+    """
+    beside = path.with_name(f".tmp-{uuid.uuid4().hex[:8]}-{path.name[-100:]}")
+    try:
+        yield beside
+        os.replace(beside, path)
+    except OSError as error:
+        raise RunError(f"{path}: can't be written: {error.strerror or error}") from error
+    finally:
+        with contextlib.suppress(OSError):
+            beside.unlink(missing_ok=True)
+
+
+@contextlib.contextmanager
+def new_file(path: Path) -> Iterator[Path]:
+    """As `whole_file`, but never in the place of another.
+
+    Raises:
+        UsageError: `path` exists.
+        RunError: it can't be written.
+    """
+    if path.exists():
+        raise UsageError(f"{path}: exists; choose another file with -o")
+    with whole_file(path) as beside:
+        yield beside
+
+
+def write_whole(path: Path, content: bytes) -> None:
+    """Write a file whole.
+
+    Raises:
+        RunError: it can't be written.
+    """
+    with whole_file(path) as beside:
+        beside.write_bytes(content)
