@@ -46,7 +46,8 @@ class Goals(NamedTuple):
 
     def as_json(self) -> dict[str, Any]:
         """Plain values."""
-        return {**(self.value.as_json() if self.value else {"mean": None, "interval": None}), "n": self.n, "cells": self.group}
+        value = self.value.as_json() if self.value else {"mean": None, "interval": None}
+        return {**value, "n": self.n, "cells": self.group}
 
 
 class Matrix(NamedTuple):

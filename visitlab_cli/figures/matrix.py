@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 COLOURS = "cividis"  # the same to people with and without colour vision deficiency; grows lighter evenly
 CELL_WIDTH, CELL_HEIGHT = 0.78, 0.5  # inches
 MARGIN_WIDTH, MARGIN_HEIGHT = 1.9, 1.15
-LIGHT = 0.55  # of the colours from which on dark numbers are read better
+LIGHT = 0.52  # of the colours from which on dark numbers are read better
 TITLES = {FROZEN: "frozen", ADAPTING: "adapting"}
 
 

@@ -82,7 +82,8 @@ def trials(path: Path) -> Columns:
 def read_trial(path: Path, trial: int, columns: Sequence[str] | None = None) -> Columns:
     """The steps of one trial, from its step 0 on: for each column an array of shape (steps + 1,).
 
-    In a log that this package wrote the trial is found by bisection: a few chunks are read, whatever its length.
+    In a log that this package wrote the trial is found by bisection: a few chunks are read, whatever its length. In
+    any other, and where that finds less than the whole trial, the whole log is searched.
 
     Raises:
         NotFoundError: there is no such file, or the trial is not recorded.
@@ -91,30 +92,52 @@ def read_trial(path: Path, trial: int, columns: Sequence[str] | None = None) -> 
     """
     with open_log(path) as log:
         names = _names(path, log, columns)
-        rows, ended = _rows_of(log, trial)
+        rows, steps = _looked_up(log, trial) if log.is_ours else _searched(log, trial)
+        if log.is_ours and not _is_whole(log, rows, steps):
+            rows, steps = _searched(log, trial)  # another writer may use our layout, and order trials in its own way
         if not len(rows):
             raise NotFoundError(f"{path}: trial {trial} is not recorded; {_recorded(log)}")
-        if not ended or (rows["step"] != np.arange(len(rows))).any():
+        if not _is_whole(log, rows, steps):
             raise RunError(f"{path}: of trial {trial} only {len(rows)} rows are left, the log lost the others")
         return {name: rows[name].copy() for name in names}
 
 
-def _rows_of(log: Log, trial: int) -> tuple[Records, bool]:
-    """The rows of a trial, and whether the log says that its last row is among them (true where it cannot say)."""
+def _is_whole(log: Log, rows: Records, steps: int | None) -> bool:
+    """Whether these are all rows of a trial, which by its `/trial` message has so many `steps`, if it has one."""
+    counted = not log.has_trials if steps is None else len(rows) == steps + 1
+    return counted and len(rows) > 0 and bool((rows["step"] == np.arange(len(rows))).all())
+
+
+def _looked_up(log: Log, trial: int) -> tuple[Records, int | None]:
+    """A trial's rows, and its steps by its `/trial` message, where trials lie in their order, each before its message."""
     parts: list[Records] = [np.empty(0, log.step_layout.dtype)]
-    ended = False
     for chunk in range(_first_chunk(log, trial), len(log.chunks)):
         block = log.block(chunk)
         parts.append(block.steps[block.steps["trial"] == trial])
-        ended = ended or bool((block.trials["trial"] == trial).any())
-        if log.is_ours and (ended or (len(block.steps) and block.steps["trial"][-1] > trial)):
+        told = block.trials["steps"][block.trials["trial"] == trial]
+        if len(told):
+            return np.concatenate(parts), int(told[0])
+        if len(block.steps) and block.steps["trial"][-1] > trial:
             break
-    return np.concatenate(parts), ended or not log.has_trials
+    return np.concatenate(parts), None
+
+
+def _searched(log: Log, trial: int) -> tuple[Records, int | None]:
+    """The same wherever they are, in the order of their time; the whole log is read."""
+    parts: list[Records] = [np.empty(0, log.step_layout.dtype)]
+    steps = None
+    for chunk in range(len(log.chunks)):
+        block = log.block(chunk)
+        parts.append(block.steps[block.steps["trial"] == trial])
+        told = block.trials["steps"][block.trials["trial"] == trial]
+        steps = int(told[0]) if len(told) else steps
+    rows = np.concatenate(parts)
+    return rows[np.argsort(rows[_LOG_TIME], kind="stable")], steps
 
 
 def _first_chunk(log: Log, trial: int) -> int:
-    """The first chunk that may hold steps of a trial; trials of another writer may have any order."""
-    return bisect_left(range(len(log.chunks)), trial, key=lambda chunk: _last_trial(log, chunk)) if log.is_ours else 0
+    """The first chunk that may hold steps of a trial, where trials lie in their order."""
+    return bisect_left(range(len(log.chunks)), trial, key=lambda chunk: _last_trial(log, chunk))
 
 
 def _last_trial(log: Log, chunk: int) -> int:
@@ -126,8 +149,7 @@ def _last_trial(log: Log, chunk: int) -> int:
 
 def _recorded(log: Log) -> str:
     """Which trials the log holds, in words."""
-    ends = sorted({0, len(log.chunks) - 1} & set(range(len(log.chunks)))) if log.is_ours else range(len(log.chunks))
-    numbers = [log.block(chunk).steps["trial"] for chunk in ends]
+    numbers = [log.block(chunk).steps["trial"] for chunk in range(len(log.chunks))]
     numbers = [part for part in numbers if len(part)]
     if not numbers:
         return "the log holds none"
