@@ -107,7 +107,7 @@ def main() -> None:
         _end(f"not enough memory: {error}", RunError.exit_code)
     except OSError as error:
         if error.filename is None:
-            raise
+            _end(f"the output can't be written: {error.strerror}", RunError.exit_code)
         _end(f"{error.filename}: {error.strerror}", NotFoundError.exit_code)
 
 

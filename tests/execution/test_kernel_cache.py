@@ -14,7 +14,7 @@ from visitlab_cli import compiled
 from visitlab_cli.compiled import _kernel_files
 
 PACKAGE = Path(visitlab_cli.__file__).parent
-NAMES_NUMBA = {"versions.py"}  # asks for its version
+NAMES_NUMBA = {"versions.py", "doctor.py"}  # ask for its version
 PLAYER = Path(__file__).parents[1] / "world" / "package_log.py"
 
 EDITS = [

@@ -70,7 +70,7 @@ def test_force_color_colours_lines_but_draws_no_bars_into_a_file(tmp_path):
     done = visitlab("train", TINY, ONE_CELL, "--out", tmp_path, env={"FORCE_COLOR": "1", "NO_COLOR": ""})
     assert done.returncode == 0
     assert "━" not in done.stderr
-    assert len(done.stderr.splitlines()) == 2
+    assert len(done.stderr.splitlines()) == 3
     told = failure_on(Console(file=io.StringIO(), force_terminal=True, highlight=False))
     assert "\x1b[31mnavigation/mf/seed-0000: failed: it broke\x1b[0m" in told
 

@@ -36,6 +36,10 @@ class Tried(NamedTuple):
         """The worst of its parts."""
         return worst([part.verdict for part in self.parts.values()])
 
+    def explains(self, part: str) -> bool:
+        """Whether a part agrees here, and no other differs: then errors that cancel would explain it."""
+        return self.parts[part].verdict == Verdict.AGREES and self.verdict != Verdict.DIFFERS
+
 
 class Comparison(NamedTuple):
     """A published curve and ours."""
@@ -60,7 +64,7 @@ class Comparison(NamedTuple):
 
     def cause_of(self, part: str) -> str | None:
         """What makes a part differ: a variant in which this part agrees; None where it need not be explained."""
-        agreeing = [each for each in self.tried if each.parts[part].verdict == Verdict.AGREES]
+        agreeing = [each for each in self.tried if each.explains(part)]
         return _cause(agreeing, self.parts[part].verdict)
 
     def as_json(self) -> dict[str, Any]:
@@ -115,10 +119,10 @@ def compare(run: Path, cells: Sequence[Cell], variants: Sequence[Variant] = (), 
         if isinstance(ours, Absent):
             compared.absent.append((published, ours))
             continue
-        parts = _parts(ours, published, margin)
+        parts = judge_parts(ours, published.mean, margin)
         differing = worst([part.verdict for part in parts.values()]) != Verdict.AGREES
         tried = [each for variant in variants if (each := _try(variant, ours, published, margin))] if differing else []
-        one_model = _parts(ours, published, margin, 1) if published.figure in RESTS_ON_ONE_MODEL else {}
+        one_model = judge_parts(ours, published.mean, margin, 1) if published.figure in RESTS_ON_ONE_MODEL else {}
         distances = ours.cell.config.interaction.distances
         best = possible(ours.cell.settings, distances)
         compared.curves.append(Comparison(published, ours, parts, one_model, best, tried))
@@ -148,22 +152,15 @@ def part_slices(batches: int) -> dict[str, slice]:
 
 
 def judge_parts(
-    ours: npt.NDArray[np.float64],
-    published: npt.NDArray[np.float64],
-    margin: float = MARGIN,
-    published_seeds: int = PUBLISHED_SEEDS,
+    ours: OurCurve, published: npt.NDArray[np.float64], margin: float = MARGIN, published_seeds: int = PUBLISHED_SEEDS
 ) -> dict[str, Judgement]:
-    """Judge curves of ours, shape (seeds, batches), against a published one, shape (batches,), part by part."""
-    return {
-        name: judge(ours[:, part].mean(axis=1).tolist(), fmean(published[part]), margin, published_seeds)
-        for name, part in part_slices(len(published)).items()
-    }
-
-
-def _parts(
-    ours: OurCurve, published: PublishedCurve, margin: float, published_seeds: int = PUBLISHED_SEEDS
-) -> dict[str, Judgement]:
-    return judge_parts(ours.rewards, published.mean, margin, published_seeds)
+    """Judge a curve of ours against a published one, shape (batches,), part by part."""
+    judged = {}
+    for name, part in part_slices(len(published)).items():
+        values = ours.rewards[:, part].mean(axis=1).tolist()
+        lost = ours.averaged_away(part)
+        judged[name] = judge(values, fmean(published[part]), margin, published_seeds, lost)
+    return judged
 
 
 def _try(variant: Variant, ours: OurCurve, published: PublishedCurve, margin: float) -> Tried | None:
@@ -171,4 +168,4 @@ def _try(variant: Variant, ours: OurCurve, published: PublishedCurve, margin: fl
     if isinstance(theirs, Absent):
         return None
     changed = changes(ours.cell, theirs.cell)
-    return Tried(variant.run.name, changed, _parts(theirs, published, margin)) if changed else None
+    return Tried(variant.run.name, changed, judge_parts(theirs, published.mean, margin)) if changed else None

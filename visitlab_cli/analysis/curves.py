@@ -40,12 +40,18 @@ class OurCurve(NamedTuple):
     """Reward a trial in the published batches: shape (seeds, batches).
 
     A seed is what is independent: a training, or in a visit the trained modules; visits of the same modules are
-    averaged. `cell` is one of the curve's cells.
+    averaged, and are apart in `visits`, for each seed of shape (visits, batches). `cell` is one of the curve's cells.
     """
 
     group: str
     cell: Cell
     rewards: npt.NDArray[np.float64]
+    visits: tuple[npt.NDArray[np.float64], ...]
+
+    def averaged_away(self, part: slice) -> float:
+        """The variance that the mean of a `part` has lost where a seed is a mean of several visits."""
+        several = [visits[:, part].mean(axis=1) for visits in self.visits if len(visits) > 1]
+        return float(np.mean([values.var(ddof=1) * (1 - 1 / len(values)) for values in several])) if several else 0.0
 
 
 class Absent(NamedTuple):
@@ -78,7 +84,8 @@ def our_curve(run: Path, cells: Sequence[Cell], published: PublishedCurve) -> Ou
     for cell in done:
         unit = "/".join(cell.modules.values()) or cell.path
         units.setdefault(unit, []).append(in_batches(read_trials(run / cell.path / TRIALS)["reward"], published))
-    return OurCurve(group, done[0], np.array([np.mean(curves, axis=0) for curves in units.values()]))
+    visits = tuple(np.array(curves) for curves in units.values())
+    return OurCurve(group, done[0], np.array([each.mean(axis=0) for each in visits]), visits)
 
 
 def in_batches(rewards: npt.NDArray[np.float64], published: PublishedCurve) -> npt.NDArray[np.float64]:

@@ -63,14 +63,23 @@ class Judgement(NamedTuple):
 
 
 def judge(
-    ours: Sequence[float], published: float, margin: float = MARGIN, published_seeds: int = PUBLISHED_SEEDS
+    ours: Sequence[float],
+    published: float,
+    margin: float = MARGIN,
+    published_seeds: int = PUBLISHED_SEEDS,
+    averaged_away: float = 0.0,
 ) -> Judgement:
-    """Judge the mean of `ours`, a value for each seed, against a `published` mean of `published_seeds` seeds."""
+    """Judge the mean of `ours`, a value for each seed, against a `published` mean of `published_seeds` seeds.
+
+    `averaged_away` is the variance that a value of ours has lost by being a mean of several simulations, which a
+    published seed is not.
+    """
     seeds, mean, spread = len(ours), fmean(ours), deviation(ours)
     difference = mean - published
     if seeds < 2:
         return Judgement(mean, published, math.nan, math.nan, seeds, Verdict.UNDECIDED, None)
-    half = _half_width(spread, seeds, published_seeds)
+    of_published = (spread**2 + averaged_away) / published_seeds
+    half = _half_width(spread, seeds, of_published)
     if abs(difference) + half <= margin:
         verdict = Verdict.AGREES
     elif abs(difference) - half > margin:
@@ -79,7 +88,7 @@ def judge(
         verdict = Verdict.UNDECIDED
     decisive = None
     if verdict == Verdict.UNDECIDED:
-        decisive = _seeds_that_decide(abs(abs(difference) - margin), spread, seeds, published_seeds)
+        decisive = _seeds_that_decide(abs(abs(difference) - margin), spread, seeds, of_published)
     return Judgement(mean, published, difference - half, difference + half, seeds, verdict, decisive)
 
 
@@ -88,19 +97,22 @@ def worst(verdicts: Sequence[Verdict]) -> Verdict:
     return max(verdicts, key=list(Verdict).index)
 
 
-def _half_width(spread: float, seeds: int, published_seeds: int) -> float:
-    return t_quantile(seeds - 1) * spread * math.sqrt(1 / seeds + 1 / published_seeds)
+def _half_width(spread: float, seeds: int, of_published: float) -> float:
+    return t_quantile(seeds - 1) * math.sqrt(spread**2 / seeds + of_published)
 
 
-def _seeds_that_decide(gap: float, spread: float, seeds: int, published_seeds: int) -> int | None:
-    """The smallest number of seeds whose interval is narrower than the `gap` between difference and margin."""
-    endless = NormalDist().inv_cdf((1 + CONFIDENCE) / 2) * spread / math.sqrt(published_seeds)
-    if endless >= gap or _half_width(spread, MOST_SEEDS, published_seeds) >= gap:
+def _seeds_that_decide(gap: float, spread: float, seeds: int, of_published: float) -> int | None:
+    """The smallest number of seeds whose interval is narrower than the `gap` between difference and margin.
+
+    `of_published` is the variance of the published mean.
+    """
+    endless = NormalDist().inv_cdf((1 + CONFIDENCE) / 2) * math.sqrt(of_published)
+    if endless >= gap or _half_width(spread, MOST_SEEDS, of_published) >= gap:
         return None
     too_few, enough = seeds, MOST_SEEDS
     while enough - too_few > 1:
         middle = (too_few + enough) // 2
-        if _half_width(spread, middle, published_seeds) < gap:
+        if _half_width(spread, middle, of_published) < gap:
             enough = middle
         else:
             too_few = middle

@@ -55,6 +55,7 @@ def command(
     from visitlab_cli.analysis.variants import open_variant, variants_beside
     from visitlab_cli.errors import NotFoundError, UsageError
     from visitlab_cli.execution.cells import plan
+    from visitlab_cli.execution.runner import missing_cells
     from visitlab_cli.storage.run_folder import find_run, read_config
 
     if not math.isfinite(margin):
@@ -76,6 +77,10 @@ def command(
     known = {each.run.resolve() for each in asked}
     beside = [each for each in variants_beside(folder) if each.run.resolve() not in known]
     cells, variants = plan(read_config(folder)), [*asked, *beside]
+    if missing := missing_cells(folder, cells):
+        typer.echo(
+            f"{folder}: {len(missing)} of {len(cells)} cells are not done, or damaged; they don't count", err=True
+        )
     compared = compare(folder, cells, variants, margin)
     if not compared.curves:
         reason = compared.absent[0][1]

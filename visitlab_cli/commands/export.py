@@ -63,7 +63,7 @@ def command(
     log = find_log(run, out, selection)
     if log.others:
         typer.echo(f"chose {log.cell} of {len(log.others) + 1} cells; the next is {log.others[0]}", err=True)
-    numbers = [choose_trial(log.path, word) for word in trial or ["0"]]
+    numbers = list(dict.fromkeys(choose_trial(log.path, word) for word in trial or ["0"]))
     target = output or Path(_name(log.cell, numbers))
     rows = write_foxglove(target, (_shown(log.path, number) for number in numbers), _look())
     told = {"cell": log.cell, "trials": numbers, "rows": rows, "file": str(target)}

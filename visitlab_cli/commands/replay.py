@@ -48,8 +48,12 @@ def command(
         typer.echo(f"the {trial} trial is {chosen.number}", err=True)
     if strip is not None:
         from visitlab_cli.replay.strip import save_strip
+        from visitlab_cli.story import moments, strip_steps
 
         save_strip(chosen, strip)
+        left_out = len(moments(chosen.steps)) - len(set(strip_steps(chosen.steps)) - {0})
+        if left_out > 0:
+            typer.echo(f"the strip has room for the first moments only; {left_out} more are not on it", err=True)
     elif png is not None and step is not None:
         from visitlab_cli.replay.picture import save_picture
 

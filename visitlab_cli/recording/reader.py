@@ -16,6 +16,9 @@ from visitlab_cli.errors import NotFoundError, RunError, UsageError
 from visitlab_cli.recording.layout import Layout, Records
 from visitlab_cli.recording.log import Log, open_log
 from visitlab_cli.recording.schema import ONE_TRIAL_IN
+from visitlab_cli.world.columns import COLUMNS
+from visitlab_cli.world.enums import N_DISTANCES
+from visitlab_cli.world.grid import N_ROOMS
 
 Columns = dict[str, npt.NDArray[np.generic]]
 
@@ -99,7 +102,21 @@ def read_trial(path: Path, trial: int, columns: Sequence[str] | None = None) -> 
             raise NotFoundError(f"{path}: trial {trial} is not recorded; {_recorded(log)}")
         if not _is_whole(log, rows, steps):
             raise RunError(f"{path}: of trial {trial} only {len(rows)} rows are left, the log lost the others")
+        _check_values(path, rows)
         return {name: rows[name].copy() for name in names}
+
+
+def _check_values(path: Path, rows: Records) -> None:
+    """Refuse what no simulation can have logged: another writer may write anything."""
+    most: dict[str, int] = {column.name: int(max(column.enum)) for column in COLUMNS if column.enum is not None}
+    most |= {"goal_room": N_ROOMS - 1, "distance": N_DISTANCES - 1}
+    for name in rows.dtype.names or ():
+        values = rows[name]
+        wrong = values > most[name] if name in most else ~np.isfinite(values) if values.dtype.kind == "f" else None
+        if wrong is not None and wrong.any():
+            row = int(np.argmax(wrong))
+            where = f"step {rows['step'][row]} of trial {rows['trial'][row]}"
+            raise RunError(f"{path}: {where} has {name} {values[row]}, which there is not")
 
 
 def _is_whole(log: Log, rows: Records, steps: int | None) -> bool:
@@ -109,7 +126,7 @@ def _is_whole(log: Log, rows: Records, steps: int | None) -> bool:
 
 
 def _looked_up(log: Log, trial: int) -> tuple[Records, int | None]:
-    """A trial's rows, and its steps by its `/trial` message, where trials lie in their order, each before its message."""
+    """A trial's rows, and its steps by its `/trial` message, where trials lie in order, each before its message."""
     parts: list[Records] = [np.empty(0, log.step_layout.dtype)]
     for chunk in range(_first_chunk(log, trial), len(log.chunks)):
         block = log.block(chunk)

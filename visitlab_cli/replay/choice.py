@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from visitlab_cli.config.problems import or_else, printable
-from visitlab_cli.errors import NotFoundError, UsageError
+from visitlab_cli.errors import NotFoundError, RunError, UsageError
 from visitlab_cli.execution.cells import Cell, plan
 from visitlab_cli.recording.reader import read_steps, trials
 from visitlab_cli.storage.cell_folder import STEPS, read_cell, reason
@@ -97,6 +97,10 @@ def _wanted(run: Path, selection: Selection) -> list[Cell]:
 def _done(run: Path, cells: Sequence[Cell]) -> list[Cell]:
     done = [cell for cell in cells if read_cell(run / cell.path) is not None]
     if not done:
+        damaged = [cell.path for cell in cells if (run / cell.path / STEPS).exists()]
+        if damaged:
+            how = f"visitlab recover {run / damaged[0] / STEPS} saves what is whole of its log"
+            raise RunError(f"{run}: damaged: {_named(damaged)}; running again redoes it, {how}")
         missing = _named([cell.path for cell in cells])
         raise NotFoundError(
             f"{run}: not run yet: {missing}; finish with visitlab run {run}/config.yaml --out {run.parent}"

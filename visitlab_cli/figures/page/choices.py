@@ -1,4 +1,4 @@
-"""What single choices move: every variant of a curve beside the paper's text."""
+"""What single choices move: every variant of a curve beside the run itself."""
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -25,7 +25,6 @@ from visitlab_cli.storage.cell_folder import read_cell
 
 VISIT = "fig8_adaptation"
 SHOWN = FIRST, LAST
-TEXT = "the paper's text"
 
 
 def effect(evidence: Evidence, ours: Comparison, choice: Choice, part: str) -> Estimate | None:
@@ -57,7 +56,7 @@ def visit_effects(evidence: Evidence) -> str:
 def visit_distances(evidence: Evidence) -> str:
     """Fig. 8 right: how far from the published curves each choice is; how many of all parts have which verdict."""
     curves = _visits(evidence)
-    rows = [_distances(TEXT, [curve.parts for curve in curves])]
+    rows = [_distances(f"`{evidence.run.name}`", [curve.parts for curve in curves])]
     for choice in _in_order(evidence):
         rows.append(_distances(f"`{choice.name}`", [judged(evidence, curve, choice) for curve in curves]))
     return table(["run", *_columns(curves), " / ".join(MARKS[verdict] for verdict in Verdict)], rows)
@@ -73,7 +72,7 @@ def _distances(name: str, curves: Sequence[dict[str, Judgement] | None]) -> list
 def judged(evidence: Evidence, ours: Comparison, choice: Choice) -> dict[str, Judgement] | None:
     """The parts of a variant's curve against the published one."""
     theirs = choice.curve(ours.published)
-    return judge_parts(theirs.rewards, ours.published.mean, evidence.margin) if theirs else None
+    return judge_parts(theirs, ours.published.mean, evidence.margin) if theirs else None
 
 
 def other_choices(evidence: Evidence) -> str:

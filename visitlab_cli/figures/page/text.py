@@ -13,7 +13,7 @@ from visitlab_cli.figures.page.verdicts import agreeing, disagreeing, summary, v
 CAPTIONS = {
     "fig6": "Fig. 6. Learning of the three modules, and after watching another agent.",
     "fig7": "Fig. 7. What the model-free agent learns of navigation, alone and from watching.",
-    "fig8": "Fig. 8. Three humans, and the visit with the paper's text.",
+    "fig8": "Fig. 8. Three humans, and the visit as this run's config has it.",
     "fig8_best_match": "Fig. 8 right with the best match found (`fig8_best_match`).",
     "fig9": "Fig. 9. An interaction with Human 2.",
     "affordances": "Fig. 4 as the social module of seed 0 learned it, what it would do around the human, and how both "
@@ -53,13 +53,14 @@ def _parts(evidence: Evidence, pictures: Mapping[str, str], file: str) -> Iterat
     yield agreeing(evidence)
     yield "## What does not, and why"
     yield (
-        "A cause is named only where a run that changes it makes the part agree; 'unexplained' stands only where every "
+        "A cause is named only where a run that changes it makes the part agree, and no other part of its curve "
+        "differs; 'unexplained' stands only where every "
         "variant of the figure was run and none does. Of so many variants and parts some may agree by chance."
     )
     yield disagreeing(evidence)
     yield from _visit(evidence)
     yield "## Other choices, one at a time"
-    yield "Reward a trial with the paper's text → with the choice; published: first tenth, last tenth."
+    yield "Reward a trial in this run → with the choice; published: first tenth, last tenth."
     yield other_choices(evidence)
     yield "## How much of the possible"
     yield "Last tenth, reward a trial; shares of what the best known has over random actions."
@@ -74,7 +75,7 @@ def _visit(evidence: Evidence) -> Iterator[str]:
         return
     yield "## Fig. 8 right: what each choice moves"
     yield (
-        "Goals a trial with the choice less those with the paper's text, 95% intervals, the same seeds in pairs. With "
+        "Goals a trial with the choice less those of this run, 95% intervals, the same seeds in pairs. With "
         "`models: first` all visits share one model: there is one independent seed and no interval."
     )
     yield visit_effects(evidence)

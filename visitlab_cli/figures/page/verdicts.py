@@ -10,14 +10,17 @@ def summary(evidence: Evidence) -> str:
     """How many agree, in a sentence."""
     verdicts = [each.verdict for each in evidence.compared.curves]
     counts = [f"{verdicts.count(verdict)} {word}" for verdict, word in _SAID.items() if verdict in verdicts]
+    again = len(verdicts) - len({each.published.mean.tobytes() for each in evidence.compared.curves})
+    repeated = f" ({again} of them drawn in two figures)" if again else ""
     last = [each.parts[LAST].verdict for each in evidence.compared.curves]
     settled = [f"{last.count(verdict)} {word}" for verdict, word in _SAID.items() if verdict in last]
     absent = f"; {len(evidence.compared.absent)} more were not run" if evidence.compared.absent else ""
     return (
-        f"Of {len(verdicts)} published curves {listed(counts)}{absent}; in the last tenth alone {listed(settled)}. A "
-        f"curve agrees where the 95% interval of the difference lies within {evidence.margin:g} reward a trial in all "
-        "four parts of it, it differs where in some part the interval lies wholly beyond, else it is undecided. The "
-        "interval counts the ten seeds of the published run as well: their deviation is not known, ours stands for it."
+        f"Of {len(verdicts)} published curves{repeated} {listed(counts)}{absent}; in the last tenth alone "
+        f"{listed(settled)}. A curve agrees where the 95% interval of the difference lies within "
+        f"{evidence.margin:g} reward a trial in all four parts of it, it differs where in some part the interval lies "
+        "wholly beyond, else it is undecided. The interval counts the ten seeds of the published run as well: their "
+        "deviation is not known, ours stands for it."
     )
 
 
@@ -99,12 +102,13 @@ def _what_decides(found: Judgement) -> str:
 def _why(evidence: Evidence, each: Comparison, part: str) -> str:
     """The simplest variants in which the part agrees; else the nearest, and what was not tried."""
     agreeing = sorted(
-        (tried for tried in each.tried if tried.parts[part].verdict == Verdict.AGREES),
+        (tried for tried in each.tried if tried.explains(part)),
         key=lambda tried: len(tried.changes),
     )
     if agreeing:
         first = agreeing[0]
-        return f"it agrees ({difference(first.parts[part])}) with {changed(first.changes)} (run {first.name})."
+        changes = ("these together: " if len(first.changes) > 1 else "") + changed(first.changes)
+        return f"it agrees ({difference(first.parts[part])}) with {changes} (run {first.name})."
     choices = evidence.choices_of(each.published.figure)
     missing = [choice.name for choice in choices if not choice.complete]
     if missing:
