@@ -77,8 +77,6 @@ def command(
     known = {each.run.resolve() for each in asked}
     beside = [each for each in variants_beside(folder) if each.run.resolve() not in known]
     cells, variants = plan(read_config(folder)), [*asked, *beside]
-    if missing := missing_cells(folder, cells):
-        typer.echo(
             f"{folder}: {len(missing)} of {len(cells)} cells are not done, or damaged; they don't count", err=True
         )
     compared = compare(folder, cells, variants, margin)
@@ -100,6 +98,8 @@ def command(
         )
     else:
         typer.echo(_text(compared, margin))
+    if missing := missing_cells(folder, cells):
+        typer.echo(
 
 
 def _json(compared: "Compared") -> dict[str, object]:
