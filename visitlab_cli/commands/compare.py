@@ -77,8 +77,6 @@ def command(
     known = {each.run.resolve() for each in asked}
     beside = [each for each in variants_beside(folder) if each.run.resolve() not in known]
     cells, variants = plan(read_config(folder)), [*asked, *beside]
-            f"{folder}: {len(missing)} of {len(cells)} cells are not done, or damaged; they don't count", err=True
-        )
     compared = compare(folder, cells, variants, margin)
     if not compared.curves:
         reason = compared.absent[0][1]
@@ -99,7 +97,8 @@ def command(
     else:
         typer.echo(_text(compared, margin))
     if missing := missing_cells(folder, cells):
-        typer.echo(
+        told = f"{len(missing)} of {len(cells)} cells are not done, or damaged; they don't count"
+        typer.echo(f"{folder}: {told}", err=True)
 
 
 def _json(compared: "Compared") -> dict[str, object]:
