@@ -84,7 +84,9 @@ def test_a_cell_that_is_not_done_and_one_without_a_log(tmp_path):
     run = the_run(tmp_path)
     with pytest.raises(NotFoundError) as error:
         find_log(str(run), tmp_path, Selection("visit", "slow"))
-    assert str(error.value) == (f"{run}: not run yet: visit/slow/seed-0000; finish with visitlab run {run}/config.yaml")
+    assert str(error.value) == (
+        f"{run}: not run yet: visit/slow/seed-0000; finish with visitlab run {run}/config.yaml --out {run.parent}"
+    )
     with pytest.raises(NotFoundError) as error:
         find_log(str(run), tmp_path, Selection("navigation", "", "mb"))
     assert str(error.value) == (
