@@ -22,7 +22,7 @@ def command(
     as_json: Json = False,
 ) -> None:
     """Print a recorded trial as a table, one step a line, in the words of the replay."""
-    from visitlab_cli.recording.reader import read_trial
+    from visitlab_cli.recording.reader import check_values, read_trial
     from visitlab_cli.replay.choice import Selection, choose_trial, find_log
 
     log = find_log(run, out, Selection(experiment, human, agent, seed))
@@ -30,6 +30,7 @@ def command(
         typer.echo(f"chose {log.cell} of {len(log.others) + 1} cells; the next is {log.others[0]}", err=True)
     number = choose_trial(log.path, trial)
     steps = read_trial(log.path, number)
+    check_values(log.path, steps)
     if as_json:
         told = {"cell": log.cell, "trial": number, "steps": plain(steps)}
         typer.echo(json.dumps(told, indent=2))

@@ -7,6 +7,7 @@ where the whole is read every byte is checked, where a trial is, the chunks that
 from bisect import bisect_left
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -102,20 +103,23 @@ def read_trial(path: Path, trial: int, columns: Sequence[str] | None = None) -> 
             raise NotFoundError(f"{path}: trial {trial} is not recorded; {_recorded(log)}")
         if not _is_whole(log, rows, steps):
             raise RunError(f"{path}: of trial {trial} only {len(rows)} rows are left, the log lost the others")
-        _check_values(path, rows)
         return {name: rows[name].copy() for name in names}
 
 
-def _check_values(path: Path, rows: Records) -> None:
-    """Refuse what no simulation can have logged: another writer may write anything."""
+def check_values(path: Path, steps: Columns) -> None:
+    """Refuse what no simulation can have logged and no word or picture exists for: others may write anything.
+
+    Raises:
+        RunError: it names the first step of `steps`, the columns of a trial, with such a value.
+    """
     most: dict[str, int] = {column.name: int(max(column.enum)) for column in COLUMNS if column.enum is not None}
     most |= {"goal_room": N_ROOMS - 1, "distance": N_DISTANCES - 1}
-    for name in rows.dtype.names or ():
-        values = rows[name]
+    for name, column in steps.items():
+        values: npt.NDArray[Any] = column
         wrong = values > most[name] if name in most else ~np.isfinite(values) if values.dtype.kind == "f" else None
         if wrong is not None and wrong.any():
             row = int(np.argmax(wrong))
-            where = f"step {rows['step'][row]} of trial {rows['trial'][row]}"
+            where = f"step {steps['step'][row]} of trial {steps['trial'][row]}"
             raise RunError(f"{path}: {where} has {name} {values[row]}, which there is not")
 
 

@@ -11,7 +11,7 @@ from mcap.exceptions import McapError
 from mcap.reader import make_reader
 
 from visitlab_cli.errors import RunError, VisitlabError
-from visitlab_cli.recording.reader import read_metadata, read_trial
+from visitlab_cli.recording.reader import check_values, read_metadata, read_trial
 from visitlab_cli.recording.schema import CONFIG_NAME
 from visitlab_cli.storage.arrays import read_model
 from visitlab_cli.storage.cell_folder import MODEL
@@ -98,6 +98,7 @@ def load_trial(path: Path, number: int) -> Trial:
         RunError: it is not a log of visitlab, or damaged.
     """
     steps = read_trial(path, number)
+    check_values(path, steps)
     about = read_metadata(path)
     config = _config(path)
     task, cell = about["task"], about["cell"]
