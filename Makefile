@@ -10,7 +10,7 @@ quickstart: $(READY)
 	$(BIN)/visitlab run configs/quickstart.yaml
 
 test: $(READY)
-	$(BIN)/python -m pytest -n 2
+	$(BIN)/python -m pytest -n 2 -rs
 
 test-slow: $(READY)
 	$(BIN)/python -m pytest -m slow
