@@ -2,12 +2,13 @@
 
 import re
 import signal
+import time
 from pathlib import Path
 
 import pytest
 
+from tests.browser import needs_browser, opened
 from tests.program import start
-from tests.replay.browser import BROWSER, picture_of
 from tests.replay.pixels import assert_shows, goal_is_in_sight, shows_a_goal_room
 from visitlab_cli.replay.trial import load_trial
 
@@ -39,9 +40,17 @@ def test_it_listens_on_this_machine_only(serving):
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(BROWSER is None, reason="no chromium; on Debian install chromium")
+@needs_browser
 def test_the_browser_shows_the_trial(serving, tmp_path):
     trial, _, address = serving
     target = tmp_path / "web.png"
-    picture_of(f"{address}&renderer=webgl", target, tmp_path / "profile", shows_a_goal_room, WITHIN)
+    end = time.monotonic() + WITHIN
+    with opened() as browser:
+        page = browser.new_page(viewport={"width": 1600, "height": 1000})
+        page.goto(f"{address}&renderer=webgl")
+        while time.monotonic() < end:
+            page.wait_for_timeout(2000)
+            page.screenshot(path=target)
+            if shows_a_goal_room(target):
+                break
     assert_shows(target, trial.steps, 0)
