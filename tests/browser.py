@@ -1,4 +1,4 @@
-"""The system's chromium, driven by playwright: where it is, how it starts, and how a page shows what it complains of."""
+"""The system's chromium, driven by playwright: where it is, and how it starts."""
 
 import contextlib
 import shutil

@@ -7,6 +7,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from visitlab_cli.analysis.evaluated import evaluated
 from visitlab_cli.analysis.summary import summaries
 from visitlab_cli.analysis.summary_groups import point_of
 from visitlab_cli.analysis.summary_tables import Reader, model_of, stacked, steps_of, trials_of
@@ -14,6 +15,7 @@ from visitlab_cli.config.canonical import canonical
 from visitlab_cli.config.problems import or_else
 from visitlab_cli.errors import NotFoundError, UsageError
 from visitlab_cli.execution.cells import Cell, plan
+from visitlab_cli.execution.evaluation import Evaluation
 from visitlab_cli.recording.reader import Columns, read_steps, read_trial
 from visitlab_cli.storage.arrays import Arrays, read_model, read_trials
 from visitlab_cli.storage.cell_folder import MODEL, STEPS, TRIALS, read_cell
@@ -60,13 +62,16 @@ class LoadedRun:
     """A run: its config as plain values, its versions, its finished cells, its cells' content as data frames.
 
     `select` and each method that makes a data frame choose cells by `experiment`, `agent`, `human`, `seed`.
-    A frame's first columns say which cell a row is of: these four, and the settings that vary.
+    A frame's first columns say which cell a row is of: these four, and the settings that vary. `evaluations` are
+    what `visitlab eval` played with options of its own, each as a run, by the words that `visitlab runs show` has
+    for it ("frozen, 500 trials"); where humans were chosen, these follow ("frozen: human_1").
     """
 
     path: Path
     config: dict[str, Any] = field(repr=False)
     versions: dict[str, str] = field(repr=False)
     cells: list[LoadedCell] = field(repr=False)
+    evaluations: dict[str, "LoadedRun"] = field(repr=False)
     _plan: list[Cell] = field(repr=False)
 
     def select(self, **wanted: str | int) -> list[LoadedCell]:
@@ -124,9 +129,18 @@ def load(run: str | Path, out: str | Path = "runs") -> LoadedRun:
     """
     folder = find_run(str(run), Path(out))
     config = read_config(folder)
-    cells = plan(config)
-    loaded = [_loaded(folder, cell, facts) for cell in cells if (facts := read_cell(folder / cell.path)) is not None]
-    return LoadedRun(folder, canonical(config), read_versions(folder), loaded, cells)
+    settings, versions = canonical(config), read_versions(folder)
+
+    def opened(cells: list[Cell], evaluations: dict[str, LoadedRun]) -> LoadedRun:
+        done = [_loaded(folder, cell, facts) for cell in cells if (facts := read_cell(folder / cell.path)) is not None]
+        return LoadedRun(folder, settings, versions, done, evaluations, cells)
+
+    played = {_name(options): opened(cells, {}) for options, cells in evaluated(folder, config).items()}
+    return opened(plan(config), played)
+
+
+def _name(evaluation: Evaluation) -> str:
+    return ": ".join(filter(None, (evaluation.words, ", ".join(evaluation.humans))))
 
 
 def _loaded(run: Path, cell: Cell, facts: dict[str, Any]) -> LoadedCell:

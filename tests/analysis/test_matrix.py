@@ -6,7 +6,8 @@ import pytest
 from tests.analysis.runs_by_hand import VERSIONS, write_cell
 from visitlab_cli.analysis.matrix import ADAPTING, FROZEN, MODES, Pairing, matrix_of, plan_matrix
 from visitlab_cli.config.loading import load_text
-from visitlab_cli.execution.cells import Evaluation, plan
+from visitlab_cli.execution.cells import plan
+from visitlab_cli.execution.evaluation import Evaluation
 from visitlab_cli.figures.matrix import save_matrix
 from visitlab_cli.storage.run_folder import open_run
 

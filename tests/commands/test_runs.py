@@ -174,18 +174,6 @@ def test_verify_of_an_edited_config(run):
     assert tell("runs", "verify", run)[0] == 0
 
 
-def test_verify_of_an_evaluation(run):
-    cell = run / "evaluations" / "01234567" / "visit" / "fast" / "seed-0000"
-    shutil.copytree(run / "visit" / "fast" / "seed-0000", cell)
-    facts = (cell / "cell.json").read_text()
-    (cell / "cell.json").write_text(facts.replace('"visit/fast/', '"evaluations/01234567/visit/fast/'))
-    assert tell("runs", "verify", run)[:2] == (0, f"{run}: 18 of 18 cells are as they were written\n")
-    (cell / "model.npz").unlink()
-    code, out, err = tell("runs", "verify", run)
-    assert (code, out.splitlines()[0]) == (4, "evaluations/01234567/visit/fast/seed-0000/model.npz: missing")
-    assert err == f"{run}: what is damaged of evaluations/ counts as missing now; mend it with the same visitlab eval\n"
-
-
 def test_prune(run):
     (run / ".tmp-left").mkdir()
     (run / "navigation/mf/seed-0000/cell.json").unlink()

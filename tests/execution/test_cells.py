@@ -1,7 +1,8 @@
 """The plan: which cells a config has, what they are called, and what they wait for."""
 
 from visitlab_cli.config.loading import load
-from visitlab_cli.execution.cells import Evaluation, plan
+from visitlab_cli.execution.cells import plan
+from visitlab_cli.execution.evaluation import Evaluation
 
 CONFIG = """
 name: grid

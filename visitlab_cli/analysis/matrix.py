@@ -15,7 +15,8 @@ from visitlab_cli.analysis.summary_groups import unit_of
 from visitlab_cli.config.experiments import SocialTraining, Visit
 from visitlab_cli.config.model import Config
 from visitlab_cli.config.names import module
-from visitlab_cli.execution.cells import Cell, Evaluation, plan
+from visitlab_cli.execution.cells import Cell, plan
+from visitlab_cli.execution.evaluation import AS_DECLARED, Evaluation
 from visitlab_cli.storage.arrays import read_trials
 from visitlab_cli.storage.cell_folder import TRIALS, read_cell
 
@@ -108,7 +109,7 @@ def plan_matrix(config: Config, visit: str, humans: Sequence[str] = (), trials: 
     for trained, met, mode in product(training.humans, humans or config.humans, MODES):
         social = "" if trained == own.human else "/".join((own.experiment, own.agent, trained))
         as_declared = not social and met in settings.humans and mode == ADAPTING and trials in (None, settings.trials)
-        options = Evaluation() if as_declared else Evaluation((met,), trials, mode == FROZEN, social)
+        options = AS_DECLARED if as_declared else Evaluation((met,), trials, mode == FROZEN, social)
         cells = plan(config, options)
         planned[Pairing(trained, met, mode)] = [c for c in cells if (c.experiment, c.human) == (visit, met)]
     return planned

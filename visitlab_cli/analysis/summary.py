@@ -47,6 +47,7 @@ class Summary(NamedTuple):
             "agent": self.group.agent,
             "human": self.group.human or None,
             "point": dict(self.group.point),
+            "evaluation": self.group.evaluation.as_json() if self.group.evaluation.folder else None,
             "measure": f"{self.group.measure}, last tenth",
             "cells_done": self.done,
             "cells": len(self.group.cells),
@@ -61,6 +62,7 @@ class Summary(NamedTuple):
     def as_row(self) -> dict[str, Any]:
         """The line as one level of plain values: the point's paths are columns, the interval is `low` and `high`."""
         told = self.as_json()
+        del told["evaluation"]  # a table is of one
         low, high = told.pop("interval") or (None, None)
         return {**told.pop("point"), **told, "low": low, "high": high}
 

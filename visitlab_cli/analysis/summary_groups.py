@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from visitlab_cli.execution.cells import Cell
+from visitlab_cli.execution.evaluation import Evaluation
 from visitlab_cli.storage.cell_folder import read_cell
 from visitlab_cli.world.columns import VISIT
 
@@ -25,6 +26,11 @@ class Group(NamedTuple):
     human: str
     point: Point
     cells: list[Cell]
+
+    @property
+    def evaluation(self) -> Evaluation:
+        """What differs from the config."""
+        return self.cells[0].evaluation
 
     @property
     def measure(self) -> str:

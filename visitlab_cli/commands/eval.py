@@ -45,7 +45,8 @@ def command(
     from visitlab_cli.commands.running import How, run_and_tell
     from visitlab_cli.config.problems import or_else, printable
     from visitlab_cli.errors import UsageError
-    from visitlab_cli.execution.cells import Evaluation, plan
+    from visitlab_cli.execution.cells import plan
+    from visitlab_cli.execution.evaluation import Evaluation
     from visitlab_cli.storage.run_folder import find_run, read_config
     from visitlab_cli.world.columns import VISIT
 

@@ -8,15 +8,13 @@ from typing import TYPE_CHECKING
 import typer
 
 from visitlab_cli.commands.optimum import aligned
-from visitlab_cli.commands.running import How, cores
+from visitlab_cli.commands.running import How, raise_first, run_missing
 from visitlab_cli.commands.runs_words import with_interval
-from visitlab_cli.errors import RunError, UsageError
+from visitlab_cli.errors import UsageError
 
 if TYPE_CHECKING:
     from visitlab_cli.analysis.matrix import Matrix, Planned
     from visitlab_cli.config.model import Config
-    from visitlab_cli.execution.cells import Cell
-    from visitlab_cli.execution.runner import Failures
 
 PICTURE = Path("figures", "matrix.svg")
 
@@ -60,39 +58,18 @@ def play_matrix(run: Path, planned: "Planned", picture: Path | None, how: How) -
         UsageError: quiet and verbose at once.
     """
     from visitlab_cli.analysis.matrix import matrix_of
-    from visitlab_cli.commands.dry_run import tell_plan
     from visitlab_cli.figures.matrix import save_matrix
 
-    if how.quiet and how.verbose:
-        raise UsageError("--quiet and --verbose: choose one")
-    cells = [cell for each in planned.values() for cell in each]
-    if how.dry_run:
-        tell_plan(run, cells, workers=how.workers or cores(), as_json=how.as_json)
+    failures = run_missing(run, [cell for each in planned.values() for cell in each], how)
+    if failures is None:
         return
-    failures = _run(run, cells, how)
     matrix, target = matrix_of(run, planned), picture or run / PICTURE
     save_matrix(matrix, target)
     if how.as_json:
         typer.echo(json.dumps({"run": str(run), **matrix.as_json(), "picture": str(target)}, indent=2))
     else:
         typer.echo(f"{text(matrix)}\n\n{target}")
-    if failures:
-        path, line = next(iter(failures.items()))
-        more = f" (and {len(failures) - 1} more)" if len(failures) > 1 else ""
-        raise RunError(f"{path}: {line}{more}")
-
-
-def _run(run: Path, cells: "Sequence[Cell]", how: How) -> "Failures":
-    from visitlab_cli.execution.progress import Progress
-    from visitlab_cli.execution.runner import missing_cells, run_cells
-    from visitlab_cli.execution.warm_up import warm_up
-
-    progress = Progress(how.quiet, how.verbose)
-    missing = missing_cells(run, cells)
-    if missing:
-        progress.say(f"{run}: {len(missing)} of {len(cells)} cells to do")
-        warm_up(missing, progress.say)
-    return run_cells(run, cells, how.workers or cores(), progress)
+    raise_first(failures)
 
 
 def text(matrix: "Matrix") -> str:

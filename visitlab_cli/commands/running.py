@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from visitlab_cli.analysis.results import Result
     from visitlab_cli.config.model import Config
     from visitlab_cli.execution.cells import Cell
+    from visitlab_cli.execution.runner import Failures
 
 
 class How(NamedTuple):
@@ -57,6 +58,29 @@ def run_and_tell(run: Path, config: "Config", cells: "Sequence[Cell]", how: How)
         RunError: a cell failed, or a value is not what the config expects.
         UsageError: quiet and verbose at once.
     """
+    failures = run_missing(run, cells, how)
+    if failures is None:
+        return
+    from visitlab_cli.analysis.results import results
+
+    lines = results(run, config, cells)
+    if how.as_json:
+        typer.echo(json.dumps({"run": str(run), "results": [line.as_json() for line in lines]}, indent=2))
+    else:
+        typer.echo(table(lines))
+        typer.echo(f"\n{run}")
+    raise_first(failures)
+    missed = [line.group for line in lines if line.missed]
+    if missed:
+        raise RunError(f"not within the tolerance of what the config expects: {', '.join(missed)}")
+
+
+def run_missing(run: Path, cells: "Sequence[Cell]", how: How) -> "Failures | None":
+    """Run the missing cells, saying what they will cost and have cost; with `dry_run` only tell, and be None.
+
+    Raises:
+        UsageError: quiet and verbose at once.
+    """
     workers = how.workers or cores()
     if how.quiet and how.verbose:
         raise UsageError("--quiet and --verbose: choose one")
@@ -64,8 +88,7 @@ def run_and_tell(run: Path, config: "Config", cells: "Sequence[Cell]", how: How)
         from visitlab_cli.commands.dry_run import tell_plan
 
         tell_plan(run, cells, workers=workers, as_json=how.as_json)
-        return
-    from visitlab_cli.analysis.results import results
+        return None
     from visitlab_cli.commands.dry_run import duration
     from visitlab_cli.commands.runs_words import size_in_words
     from visitlab_cli.execution.estimate import estimate
@@ -86,19 +109,19 @@ def run_and_tell(run: Path, config: "Config", cells: "Sequence[Cell]", how: How)
     failures = run_cells(run, cells, workers, progress)
     if missing:
         progress.say(f"{run}: {size_in_words(bytes_below(run))} on the disk")
-    lines = results(run, config, cells)
-    if how.as_json:
-        typer.echo(json.dumps({"run": str(run), "results": [line.as_json() for line in lines]}, indent=2))
-    else:
-        typer.echo(table(lines))
-        typer.echo(f"\n{run}")
+    return failures
+
+
+def raise_first(failures: "Failures") -> None:
+    """Tell of the first cell that failed, if any did.
+
+    Raises:
+        RunError: one did.
+    """
     if failures:
         path, line = next(iter(failures.items()))
         more = f" (and {len(failures) - 1} more)" if len(failures) > 1 else ""
         raise RunError(f"{path}: {line}{more}")
-    missed = [line.group for line in lines if line.missed]
-    if missed:
-        raise RunError(f"not within the tolerance of what the config expects: {', '.join(missed)}")
 
 
 def cores() -> int:

@@ -25,6 +25,7 @@ def command(
     as_json: Json = False,
 ) -> None:
     """Show what a run reached: mean with 95% interval, median, seeds, steps to a level, seconds."""
+    from visitlab_cli.analysis.evaluated import evaluated
     from visitlab_cli.analysis.summary import summaries
     from visitlab_cli.analysis.summary_runs import run_line
     from visitlab_cli.errors import UsageError
@@ -36,7 +37,9 @@ def command(
     folder = find_run(run, out)
     config = read_config(folder)
     cells = plan(config)
-    line, lines = run_line(folder, config, cells), summaries(folder, cells, level)
+    line = run_line(folder, config, cells)
+    played = [cell for those in evaluated(folder, config).values() for cell in those]
+    lines = summaries(folder, [*cells, *played], level)
     if as_json:
         results = [each.as_json() for each in lines]
         typer.echo(json.dumps({"run": str(folder), **line.as_json(), "level": level, "results": results}, indent=2))
@@ -60,17 +63,19 @@ def _text(line: "RunLine", lines: "list[Summary]", level: float) -> str:
 
 def _table(lines: "list[Summary]", level: float) -> str:
     varied = any(each.group.point for each in lines)
-    names = ["experiment", "agent", "human", *(["at"] if varied else []), "measure"]
+    evaluated = any(each.group.evaluation.folder for each in lines)
+    names = ["experiment", "agent", "human", *(["at"] if varied else []), *(["played"] if evaluated else []), "measure"]
     rows = [[*names, "mean", "median", "n", f"steps to {level:.0%}", "seconds a cell"]]
-    rows += [_row(each, varied) for each in lines]
+    rows += [_row(each, varied, evaluated) for each in lines]
     return aligned(rows, words=len(names))
 
 
-def _row(each: "Summary", varied: bool) -> list[str]:
+def _row(each: "Summary", varied: bool, evaluated: bool) -> list[str]:
     group = each.group
     point = [",".join(f"{path}={value}" for path, value in group.point) or "-"] if varied else []
+    played = [group.evaluation.words if group.evaluation.folder else "-"] if evaluated else []
     return [
-        *(group.experiment, group.agent, group.human or "-", *point, group.measure),
+        *(group.experiment, group.agent, group.human or "-", *point, *played, group.measure),
         with_interval(each.value) if each.value else "-",
         number(each.median, ".2f"),
         str(each.n),

@@ -26,20 +26,26 @@ def command(
 
     The cell.json of a damaged cell is renamed to cell.json.damaged, so that the cell counts as missing.
     """
+    from visitlab_cli.analysis.evaluated import evaluated
     from visitlab_cli.errors import RunError, VisitlabError
     from visitlab_cli.execution.cells import plan
+    from visitlab_cli.execution.evaluation import OPTIONS, unknown_evaluations
     from visitlab_cli.execution.versions import versions
     from visitlab_cli.storage.run_folder import find_run, read_config
-    from visitlab_cli.storage.verify import set_faults_aside, verify
+    from visitlab_cli.storage.verify import Fault, set_faults_aside, verify
 
     folder = find_run(run, out)
     try:
-        steps = {cell.path: cell.steps for cell in plan(read_config(folder))}
+        config = read_config(folder)
+        planned = plan(config)
+        played = [cell for cells in evaluated(folder, config).values() for cell in cells]
     except VisitlabError:  # `verify` says what is wrong with the config
-        steps = {}
-    checked = verify(folder, steps, versions())
+        planned, played = [], []
+    checked = verify(folder, {cell.path: cell.steps for cell in [*planned, *played]}, versions())
+    options = [Fault(path, OPTIONS, "missing or damaged") for path in unknown_evaluations(folder)]
+    checked = checked._replace(faults=[*checked.faults, *options])
     failed = {} if dry_run else set_faults_aside(folder, checked.faults)
-    absent = sorted(set(steps) - set(checked.found))
+    absent = sorted({cell.path for cell in planned} - set(checked.found))
     if as_json:
         told = {
             "run": str(folder),

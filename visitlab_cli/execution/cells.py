@@ -1,7 +1,6 @@
 """From a config to its cells: every (experiment, agent, human, vary point, model, seed), and what each waits for."""
 
 import hashlib
-import json
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
@@ -10,6 +9,7 @@ from visitlab_cli.config.experiments import Experiment, SocialTraining, Training
 from visitlab_cli.config.grid import label, variants
 from visitlab_cli.config.model import Config
 from visitlab_cli.config.names import Module, module
+from visitlab_cli.execution.evaluation import AS_DECLARED, Evaluation
 from visitlab_cli.world.columns import GO_TO_HUMAN, NAVIGATION, SOCIAL
 
 
@@ -19,6 +19,7 @@ class Cell:
 
     `path` is where it lies in the run folder and what names its random stream; `modules` are the paths of the
     trained cells that it needs, by the module's name: a visit's three, or the social one that a training starts from.
+    `evaluation` is what differs from the config.
     """
 
     path: str
@@ -29,7 +30,12 @@ class Cell:
     agent: str = ""
     human: str = ""
     modules: dict[str, str] = field(default_factory=dict)
-    frozen: bool = False
+    evaluation: Evaluation = AS_DECLARED
+
+    @property
+    def frozen(self) -> bool:
+        """Whether it neither learns nor explores."""
+        return self.evaluation.frozen
 
     @property
     def settings(self) -> Experiment:
@@ -58,27 +64,6 @@ class Cell:
         """Steps of the whole cell."""
         settings = self.settings
         return settings.trials * settings.trial_steps if isinstance(settings, Visit) else settings.steps
-
-
-@dataclass(frozen=True)
-class Evaluation:
-    """Visits with options of their own, on the models of a run: what differs from the config.
-
-    `social` is the module, `experiment/agent/human`, that plays instead of the visit's own.
-    """
-
-    humans: tuple[str, ...] = ()
-    trials: int | None = None
-    frozen: bool = False
-    social: str = ""
-
-    @property
-    def folder(self) -> str:
-        """Where their cells lie in the run folder; empty where nothing differs."""
-        if self == Evaluation():
-            return ""
-        options = [self.humans, self.trials, self.frozen, *([self.social] if self.social else [])]
-        return f"evaluations/{hashlib.sha256(json.dumps(options).encode()).hexdigest()[:8]}/"
 
 
 SEED, MODEL = "seed-", "model-"
@@ -114,7 +99,7 @@ def plan(config: Config, evaluation: Evaluation | None = None) -> list[Cell]:
         point = _Point(variant.config, labels, run_hash)
         for name, settings in variant.config.experiments.items():
             if isinstance(settings, Visit):
-                made = _visits(point, name, evaluation or Evaluation())
+                made = _visits(point, name, evaluation or AS_DECLARED)
             else:
                 made = _trainings(point, name, settings) if evaluation is None else iter(())
             for cell in made:
@@ -174,7 +159,7 @@ def _visits(point: _Point, name: str, evaluation: Evaluation) -> Iterator[Cell]:
             path = evaluation.folder + "/".join(filter(None, (name, human, labels, model, _seed(seed))))
             needed = {task: _training_path(point, where, model_seed) for task, where in modules.items()}
             agent = modules[SOCIAL].agent
-            yield Cell(path, config, point.run_hash, name, seed, agent, human, needed, evaluation.frozen)
+            yield Cell(path, config, point.run_hash, name, seed, agent, human, needed, evaluation)
 
 
 def _seed_pairs(models: str, seeds: int) -> list[tuple[int, int]]:

@@ -59,7 +59,7 @@ def estimate(cells: Sequence[Cell], workers: int) -> Estimate:
     A cell runs on one worker and a visit waits for its modules, so more workers than cells gain nothing.
     """
     seconds = {cell.path: _seconds(cell) for cell in cells}
-    longest = max((_chain(cell, seconds) for cell in cells), default=0.0)
+    longest = max(_ends(cells, seconds).values(), default=0.0)
     shared = sum(seconds.values()) / max(workers, 1)
     size = sum(_bytes(cell) for cell in cells)
     return Estimate(len(cells), sum(cell.steps for cell in cells), max(shared, longest), round(size))
@@ -70,9 +70,13 @@ def _seconds(cell: Cell) -> float:
     return cell.steps * MICROSECONDS_A_STEP[cell.task][agent] / 1e6
 
 
-def _chain(cell: Cell, seconds: dict[str, float]) -> float:
-    """A cell's own time after the slowest of its modules that are yet to be trained."""
-    return seconds[cell.path] + max((seconds.get(path, 0.0) for path in cell.modules.values()), default=0.0)
+def _ends(cells: Sequence[Cell], seconds: dict[str, float]) -> dict[str, float]:
+    """When each cell would end at the earliest, each after those of the cells that it needs; a plan is in order."""
+    ends: dict[str, float] = {}
+    for cell in cells:
+        begins = max((ends.get(path, 0.0) for path in cell.modules.values()), default=0.0)
+        ends[cell.path] = begins + seconds[cell.path]
+    return ends
 
 
 def _bytes(cell: Cell) -> float:

@@ -11,6 +11,7 @@ from typing import Any
 
 from visitlab_cli.errors import Interrupted, VisitlabError
 from visitlab_cli.execution.cells import Cell
+from visitlab_cli.execution.evaluation import record_evaluation
 from visitlab_cli.execution.progress import Progress
 from visitlab_cli.execution.workers import Workers
 from visitlab_cli.storage.cell_folder import read_cell, remove_leftovers
@@ -33,6 +34,8 @@ def run_cells(run: Path, cells: Sequence[Cell], workers: int, progress: Progress
     Raises:
         Interrupted: by Ctrl-C or SIGTERM; what was finished is kept.
     """
+    for evaluation in {cell.evaluation for cell in cells}:
+        record_evaluation(run, evaluation)
     remove_leftovers(run)
     missing = missing_cells(run, cells)
     if not missing:

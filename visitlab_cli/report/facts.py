@@ -9,12 +9,16 @@ from visitlab_cli.execution.cells import Cell
 
 
 class Facts(NamedTuple):
-    """A run: `expected` by the path of a group, `versions` by name all that its cells were made with."""
+    """A run: `expected` by the path of a group, `versions` by name all that its cells were made with.
+
+    `evaluated` is what visits with options of their own reached.
+    """
 
     name: str
     config: Config
     cells: list[Cell]
     summaries: list[Summary]
+    evaluated: list[Summary]
     expected: dict[str, Result]
     versions: dict[str, list[str]]
 

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from visitlab_cli.analysis.evaluated import evaluated
 from visitlab_cli.analysis.results import Result, results
 from visitlab_cli.analysis.summary import summaries
 from visitlab_cli.config.model import Config
@@ -39,7 +40,9 @@ def gather(run: Path) -> Report:
     cells = plan(config)
     lines = summaries(run, cells)
     groups = [line.group for line in lines]
-    facts = Facts(run_name(config), config, cells, lines, _expected(run, config, cells), _versions(run, cells))
+    played = [line for those in evaluated(run, config).values() for line in summaries(run, those)]
+    expected, versions = _expected(run, config, cells), _versions(run, cells)
+    facts = Facts(run_name(config), config, cells, lines, played, expected, versions)
     return Report(facts, charts_of(run, groups), best_trials(run, groups))
 
 

@@ -20,13 +20,13 @@ UNKNOWN = "–"
 
 def results(facts: Facts, title: str) -> Html:
     """The results of a run."""
-    lines = facts.summaries
+    lines = [*facts.summaries, *facts.evaluated]
     varied = any(line.group.point for line in lines)
     heads = ["Agent", "Human", *(["At"] if varied else []), "Mean", "95% interval", "Median", "n"]
     heads += [f"Steps to {LEVEL:.0%}", *(["Config expects"] if facts.expected else [])]
     bodies = []
-    for name in dict.fromkeys(line.group.experiment for line in lines):
-        members = [line for line in lines if line.group.experiment == name]
+    for name in dict.fromkeys(_title(line) for line in lines):
+        members = [line for line in lines if _title(line) == name]
         title_row = element(
             "tr",
             element("th", name, element("small", members[0].group.measure), scope="rowgroup", colspan=len(heads)),
@@ -42,6 +42,11 @@ def results(facts: Facts, title: str) -> Html:
         class_="stacked numbers",
     )
     return section("results", title, element("p", NOTE, class_="note"), table)
+
+
+def _title(line: Summary) -> str:
+    evaluation = line.group.evaluation
+    return f"{line.group.experiment}, {evaluation.words}" if evaluation.folder else line.group.experiment
 
 
 def _row(

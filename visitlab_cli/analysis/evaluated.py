@@ -1,0 +1,40 @@
+"""What `visitlab eval` with options of its own played on a run's models."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from visitlab_cli.config.experiments import Visit
+from visitlab_cli.config.model import Config
+from visitlab_cli.config.names import module
+from visitlab_cli.execution.cells import Cell, plan
+from visitlab_cli.execution.evaluation import Evaluation, recorded_evaluations
+from visitlab_cli.storage.cell_folder import read_cell
+
+
+def evaluated(run: Path, config: Config) -> dict[Evaluation, list[Cell]]:
+    """The cells of each recorded evaluation of a run, in groups of which something is finished.
+
+    An evaluation says nothing of which visits it played: what has begun, it played.
+    """
+    found = {options: list(_begun(run, config, options)) for options in recorded_evaluations(run)}
+    return {options: cells for options, cells in found.items() if cells}
+
+
+def _begun(run: Path, config: Config, options: Evaluation) -> Iterator[Cell]:
+    if not _declared(config, options):
+        return
+    cells = plan(config, options)
+    begun = {cell.group for cell in cells if read_cell(run / cell.path) is not None}
+    yield from (cell for cell in cells if cell.group in begun)
+
+
+def _declared(config: Config, options: Evaluation) -> bool:
+    """Whether the config (which may have been edited) has what the options name."""
+    names = {*options.humans}
+    if options.social:
+        social = module(options.social)
+        names.add(social.human or "")
+        training = config.experiments.get(social.experiment)
+        if training is None or isinstance(training, Visit) or social.agent not in training.agents:
+            return False
+    return names <= set(config.humans)

@@ -1,0 +1,88 @@
+"""Visits with options of their own on a run's models: the options, their folder, and the file that says them."""
+
+import hashlib
+import json
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from visitlab_cli.errors import RunError
+from visitlab_cli.storage.cell_folder import one_line, to_json
+from visitlab_cli.whole_file import write_whole
+
+FOLDER, OPTIONS = "evaluations", "evaluation.json"
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """What differs from the config: nothing in the visits that a config itself declares.
+
+    `humans` play instead of the visit's own, `trials` instead of its number of them; `frozen`: no learning and no
+    exploration; `social` is the module, `experiment/agent/human`, that plays instead of the visit's own.
+    """
+
+    humans: tuple[str, ...] = ()
+    trials: int | None = None
+    frozen: bool = False
+    social: str = ""
+
+    @property
+    def folder(self) -> str:
+        """Where their cells lie in the run folder; empty where nothing differs."""
+        if self == AS_DECLARED:
+            return ""
+        options = [self.humans, self.trials, self.frozen, *([self.social] if self.social else [])]
+        return f"{FOLDER}/{hashlib.sha256(json.dumps(options).encode()).hexdigest()[:8]}/"
+
+    @property
+    def words(self) -> str:
+        """What differs but the humans, such as 'frozen, 500 trials'; 'as declared' where no more does."""
+        trials = "" if self.trials is None else f"{self.trials:,} trial{'' if self.trials == 1 else 's'}"
+        told = [*(["frozen"] if self.frozen else []), trials, f"with {self.social}" if self.social else ""]
+        return ", ".join(filter(None, told)) or "as declared"
+
+    def as_json(self) -> dict[str, Any]:
+        """Plain values."""
+        return {**asdict(self), "humans": list(self.humans)}
+
+
+AS_DECLARED = Evaluation()
+
+
+def record_evaluation(run: Path, evaluation: Evaluation) -> None:
+    """Say in an evaluation's folder what its options are; nothing where there are none.
+
+    Raises:
+        RunError: it can't be written.
+    """
+    if not evaluation.folder:
+        return
+    file = run / evaluation.folder / OPTIONS
+    if _read(file) != evaluation:
+        try:
+            file.parent.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise RunError(f"{file.parent}: can't be written: {one_line(error)}") from error
+        write_whole(file, to_json(evaluation.as_json()).encode())
+
+
+def recorded_evaluations(run: Path) -> list[Evaluation]:
+    """The evaluations of a run, by their folders' names; without those whose file does not fit its folder."""
+    files = sorted(run.glob(f"{FOLDER}/*/{OPTIONS}"))
+    return [found for file in files if (found := _read(file)) is not None]
+
+
+def unknown_evaluations(run: Path) -> list[str]:
+    """The folders of evaluations, below the run, whose options are missing, damaged, or those of another folder."""
+    folders = [path for path in sorted(run.glob(f"{FOLDER}/*")) if path.is_dir()]
+    return [folder.relative_to(run).as_posix() for folder in folders if _read(folder / OPTIONS) is None]
+
+
+def _read(file: Path) -> Evaluation | None:
+    try:
+        told = json.loads(file.read_bytes())
+        found = Evaluation(tuple(told["humans"]), told["trials"], told["frozen"], told["social"])
+        whole = to_json(found.as_json()) == to_json(told) and found.folder == f"{FOLDER}/{file.parent.name}/"
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
+        return None
+    return found if whole else None
