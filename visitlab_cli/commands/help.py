@@ -21,7 +21,7 @@ PANELS = {
 EXAMPLES = {
     "run": ("visitlab run quickstart", "visitlab run quickstart name=short experiments.social.steps=20000"),
     "train": ("visitlab train quickstart", "visitlab train my-human seeds=30 --workers 2 --dry-run"),
-    "eval": ("visitlab eval quickstart", "visitlab eval quickstart --human human_2 --trials 20 --frozen"),
+    "eval": ("visitlab eval quickstart", "visitlab eval quickstart --matrix --trials 20"),
     "replay": (
         "visitlab replay quickstart --trial worst --save worst.rrd",
         "visitlab replay quickstart --trial 31 --strip strip.svg",
@@ -36,8 +36,8 @@ EXAMPLES = {
     "optimum": ("visitlab optimum", "visitlab optimum --gamma 0.95 --json"),
     "report": ("visitlab report quickstart", "visitlab report latest --output report.html"),
     "export": (
+        "visitlab export quickstart --csv --table results",
         "visitlab export quickstart --foxglove --trial worst",
-        "visitlab export quickstart --foxglove --trial 3 --output trial.mcap",
     ),
     "init": ("visitlab init", "visitlab init my-human --folder experiments"),
     "validate": ("visitlab validate my-human", "visitlab validate quickstart seeds=10 --show"),
