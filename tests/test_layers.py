@@ -10,7 +10,7 @@ import visitlab_cli
 
 PACKAGE = Path(visitlab_cli.__file__).parent
 FLOORS = [
-    {"__init__", "errors"},
+    {"__init__", "errors", "stopping"},
     {"whole_file"},
     {"compiled"},
     {"random_numbers"},
@@ -114,4 +114,5 @@ def test_commands_load_nothing_heavy():
                 assert name in {"visitlab_cli", "visitlab_cli.__version__"} or name.split(".")[1] in {
                     "commands",
                     "errors",
+                    "stopping",
                 }, (file, name)

@@ -32,6 +32,7 @@ from visitlab_cli.commands import (
 from visitlab_cli.commands import eval as eval_command
 from visitlab_cli.commands.options import NoColor
 from visitlab_cli.errors import Interrupted, NotFoundError, RunError, VisitlabError
+from visitlab_cli.stopping import ending_signals
 
 
 class _Program(typer.core.TyperGroup):
@@ -92,7 +93,8 @@ help.arrange(app)
 
 def main() -> None:
     """The program: every failure that a user can mend is a clear line and an exit code."""
-    signal.signal(signal.SIGTERM, signal.default_int_handler)  # as Ctrl-C, wherever it comes
+    for number in ending_signals():
+        signal.signal(number, signal.default_int_handler)
     try:
         app(prog_name="visitlab")
     except VisitlabError as error:

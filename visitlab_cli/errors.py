@@ -32,6 +32,6 @@ class NotFoundError(VisitlabError):
 
 
 class Interrupted(VisitlabError):  # noqa: N818  (not an error: the user asked for it)
-    """Stopped by Ctrl-C or SIGTERM; what was finished is kept: exit code 130."""
+    """Stopped by Ctrl-C, SIGTERM or a closed terminal; what was finished is kept: exit code 130."""
 
     exit_code = 130

@@ -224,8 +224,10 @@ def _human(steps: Steps, step: int) -> str:
     action = int(executed(steps)[step])
     move = int(steps["human_action"][step]) if "human_action" in steps else int(Action.STAY)
     if before >= _ENGAGED > after:
+        asides = [*_why(steps, step), *([_way(steps, step, move, "human", "wanders")] if move < N_MOVES else [])]
+        lost = f"loses attention, {', '.join(asides)}," if asides else "loses attention"
         sees = "and no longer sees it" if after == InteractionLevel.NOT_SEEN else f"but still {_HUMAN_DOES[after]}"
-        return f"the human loses attention{_why(steps, step)} {sees}"
+        return f"the human {lost} {sees}"
     if action == Action.HELLO and after == _ENGAGED and before != after:
         sees = ("sees it", "faces it", "was distracted")[_HUMAN_PART[min(before, _ENGAGED)] - 1]
         return f"the human {sees} and now {_HUMAN_DOES[after]}"
@@ -239,10 +241,10 @@ def _human(steps: Steps, step: int) -> str:
     return f"the human {ignores}{first}{_sight(before, after)}"
 
 
-def _why(steps: Steps, step: int) -> str:
+def _why(steps: Steps, step: int) -> list[str]:
     """Why attention was lost, where the distance was the reason."""
     category = int(steps["distance"][step - 1])
-    return f", {DISTANCE_NAMES[category]}," if category in (0, len(DISTANCE_NAMES) - 1) else ""
+    return [DISTANCE_NAMES[category]] if category in (0, len(DISTANCE_NAMES) - 1) else []
 
 
 def _sight(before: int, after: int) -> str:

@@ -62,7 +62,7 @@ def wait_for_first_cell(program):
 
 
 @pytest.mark.parametrize("workers", [1, 2])
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_interrupted_and_resumed(undisturbed, tmp_path, workers, number):
     config, expected = undisturbed
     program = start("run", config, "--out", tmp_path, "--workers", workers)

@@ -16,14 +16,14 @@ LISTENS, LOOPBACK = "0A", "0100007F"
 WITHIN = 120.0
 
 
-@pytest.fixture
-def serving(tiny_run):
+@pytest.fixture(params=[signal.SIGTERM, signal.SIGHUP], ids=["terminated", "terminal-closed"])
+def serving(tiny_run, request):
     """A trial that begins with the goal in sight, and the program that serves it, with its address."""
     every = [load_trial(log, number) for log in sorted(tiny_run.glob("visit*/*/*/steps.mcap")) for number in range(4)]
     trial = next(trial for trial in every if goal_is_in_sight(trial, 0))
     server = start("replay", trial.path, "--trial", trial.number, "--web")
     yield trial, server, server.stdout.readline().strip()
-    server.send_signal(signal.SIGTERM)
+    server.send_signal(request.param)
     assert server.wait(20) == 130
 
 

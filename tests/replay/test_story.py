@@ -80,6 +80,11 @@ BEGIN = {"action": Action.NO_ACTION, "human_action": Action.NO_ACTION}
             "stays; the human loses attention, too close, but still faces it",
         ),
         (
+            {"interaction_level": LEVEL.FOLLOWS, "distance": 0},
+            {"interaction_level": LEVEL.SEEN, "human_action": Action.MOVE_2_NORTH, "human_row": 6},
+            "stays; the human loses attention, too close, wanders 2 cells north, but still sees it",
+        ),
+        (
             {"interaction_level": LEVEL.GREETED},
             {"interaction_level": LEVEL.NOT_SEEN},
             "stays; the human loses attention and no longer sees it",

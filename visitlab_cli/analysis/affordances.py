@@ -12,7 +12,7 @@ from visitlab_cli.analysis.affordance_counts import Ints, learned_counts
 from visitlab_cli.analysis.affordance_policy import PolicyMap, policy_map
 from visitlab_cli.analysis.affordance_truth import FIRST_ENGAGED, Truth, true_transitions
 from visitlab_cli.config.experiments import SocialTraining, Visit
-from visitlab_cli.errors import NotFoundError
+from visitlab_cli.errors import NotFoundError, RunError
 from visitlab_cli.execution.cells import Cell
 from visitlab_cli.storage.arrays import Arrays, read_model
 from visitlab_cli.storage.cell_folder import MODEL, read_cell
@@ -127,16 +127,16 @@ def _adaptation(visit: Cell, before: Ints, model: Arrays) -> Adaptation:
 
 
 def _chosen(run: Path, cells: Sequence[Cell], selection: Selection) -> Cell:
-    visited = {cell.modules[SOCIAL] for cell in cells if cell.modules}
-    modules = [
-        cell
-        for cell in cells
-        if isinstance(cell.settings, SocialTraining)
-        and cell.config.agents[cell.agent].plans
-        and read_cell(run / cell.path) is not None
+    visited = {cell.modules[SOCIAL] for cell in cells if isinstance(cell.settings, Visit)}
+    wanted = [
+        cell for cell in cells if isinstance(cell.settings, SocialTraining) and cell.config.agents[cell.agent].plans
     ]
+    modules = [cell for cell in wanted if read_cell(run / cell.path) is not None]
     matching = [cell for cell in modules if selection.matches(cell)]
     if not matching:
+        damaged = [cell.path for cell in wanted if selection.matches(cell) and (run / cell.path).exists()]
+        if damaged:
+            raise RunError(f"{run / damaged[0]}: damaged; running again redoes it")
         known = ", ".join(dict.fromkeys(cell.group for cell in modules))
         raise NotFoundError(
             f"{run}: no such social module that is trained and learns a model"
@@ -146,5 +146,5 @@ def _chosen(run: Path, cells: Sequence[Cell], selection: Selection) -> Cell:
 
 
 def _visits_of(run: Path, cells: Sequence[Cell], trained: Cell) -> list[Cell]:
-    of_it = [cell for cell in cells if cell.modules.get(SOCIAL) == trained.path]
+    of_it = [c for c in cells if isinstance(c.settings, Visit) and c.modules[SOCIAL] == trained.path]
     return [cell for cell in of_it if read_cell(run / cell.path) is not None]

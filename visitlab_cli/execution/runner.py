@@ -14,6 +14,7 @@ from visitlab_cli.execution.cells import Cell
 from visitlab_cli.execution.evaluation import record_evaluation
 from visitlab_cli.execution.progress import Progress
 from visitlab_cli.execution.workers import Workers
+from visitlab_cli.stopping import ending_signals
 from visitlab_cli.storage.cell_folder import read_cell, remove_leftovers
 
 POLL_SECONDS = 0.1
@@ -32,7 +33,7 @@ def run_cells(run: Path, cells: Sequence[Cell], workers: int, progress: Progress
     """Run the missing ones of `cells` in the run folder `run`; a cell that fails fails alone.
 
     Raises:
-        Interrupted: by Ctrl-C or SIGTERM; what was finished is kept.
+        Interrupted: by Ctrl-C, SIGTERM or SIGHUP; what was finished is kept.
     """
     for evaluation in {cell.evaluation for cell in cells}:
         record_evaluation(run, evaluation)
@@ -144,7 +145,7 @@ def _in_one_line(error: BaseException) -> str:
 
 @contextmanager
 def _signals(pool: Workers) -> Iterator[Callable[[], bool]]:
-    """Ctrl-C or SIGTERM once: stop after the block; twice: at once."""
+    """Asked to end once: stop after the block; twice: at once."""
     count = 0
 
     def on_signal(number: int, frame: Any) -> None:
@@ -157,7 +158,7 @@ def _signals(pool: Workers) -> Iterator[Callable[[], bool]]:
     if threading.current_thread() is not threading.main_thread():
         yield lambda: False
         return
-    before = {number: signal.signal(number, on_signal) for number in (signal.SIGINT, signal.SIGTERM)}
+    before = {number: signal.signal(number, on_signal) for number in ending_signals()}
     try:
         yield lambda: count > 0
     finally:

@@ -17,6 +17,7 @@ from typing import Any
 
 from visitlab_cli.errors import Interrupted
 from visitlab_cli.execution.cells import Cell
+from visitlab_cli.stopping import ending_signals
 
 STOP = 0
 """Place of the stop flag in the shared memory; the steps done by worker slot i are at i + 1."""
@@ -81,8 +82,9 @@ def _begin_thread(shared: Any) -> None:
 
 def _begin_process(shared: Any) -> None:
     _begin_thread(shared)
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent decides, and says so in shared memory
-    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    for number in ending_signals():
+        ours = number == signal.SIGTERM  # of what a terminal sends to all the parent decides, in shared memory
+        signal.signal(number, signal.SIG_DFL if ours else signal.SIG_IGN)
     parent = multiprocessing.parent_process()
     assert parent is not None
     threading.Thread(target=_end_with, args=(parent.sentinel,), daemon=True).start()

@@ -61,6 +61,8 @@ def recover(broken: Path, fixed: Path | None = None) -> Recovered:
 
 
 def _salvage(broken: Path, beside: Path) -> Salvage:
+    if broken.exists() and not broken.is_file():
+        raise RunError(f"{broken}: cannot read the log: is no file")
     try:
         file = broken.open("rb")
     except OSError as error:

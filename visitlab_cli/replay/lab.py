@@ -14,7 +14,7 @@ NOTHING, GOAL_ROOM, REACHED_ROOM, SEES, FACES = range(5)
 """Classes of coloured cells."""
 FLAG: Colour = (222, 140, 0)
 GOAL_FLOOR: Colour = (252, 226, 154)
-REACHED_FLOOR: Colour = (178, 223, 205)
+REACHED_FLOOR: Colour = (214, 200, 230)
 WALL: Colour = (120, 120, 125)
 FAINT: Colour = (222, 222, 220)
 NAME: Colour = (196, 196, 194)
@@ -59,7 +59,7 @@ def draw_open_floor(stage: Stage, x_range: tuple[float, float], y_range: tuple[f
 
 
 def draw_goal(stage: Stage) -> None:
-    """The goal room in its colour with its flag; at the step in which it is reached, that room in green."""
+    """The goal room in its colour with its flag; at the step in which it is reached, that room in lilac."""
     goals = stage.trial.steps["goal_room"].astype(np.int64)
     classes = np.stack([_room_cells(goal) * GOAL_ROOM for goal in goals])
     if stage.trial.task == VISIT:

@@ -6,6 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from visitlab_cli.replay.actors import REACH, fields_around
+from visitlab_cli.replay.away import LENGTH, sign_of
 from visitlab_cli.replay.lab import FACES, GOAL_FLOOR, REACHED_FLOOR, SEES
 from visitlab_cli.replay.trial import Trial
 from visitlab_cli.story import (
@@ -48,6 +49,7 @@ def draw(axes: "Axes", trial: Trial, step: int) -> None:
     if trial.has_human:
         _body(axes, trial, step, "human", HUMAN, "o")
     _body(axes, trial, step, "robot", ROBOT, "s")
+    _away(axes, trial, step)
     _gesture(axes, trial, step)
 
 
@@ -122,6 +124,18 @@ def _body(axes: "Axes", trial: Trial, step: int, who: str, colour: Colour, marke
     axes.plot(
         *place, marker=marker, markersize=4.6, color=rgb(colour), markeredgecolor="k", markeredgewidth=0.4, zorder=5
     )
+
+
+def _away(axes: "Axes", trial: Trial, step: int) -> None:
+    """Where the robot is, if it is outside of what is seen."""
+    sign = sign_of(trial, step)
+    if sign is None:
+        return
+    tail = sign.place - LENGTH * sign.way
+    _arrow(axes, tail, LENGTH * sign.way, ROBOT, 1.1)
+    x, y = tail - 0.4 * sign.way
+    style: Any = {"fontsize": 4.5, "color": rgb(ROBOT), "zorder": 6, "clip_on": True}
+    axes.text(x, y, f"robot, {sign.cells} cells away", ha="right" if sign.way[0] > 0 else "left", va="center", **style)
 
 
 def _arrow(axes: "Axes", start: npt.NDArray[Any], vector: npt.NDArray[Any], colour: Colour, width: float) -> None:

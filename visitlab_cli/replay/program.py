@@ -12,6 +12,7 @@ from pathlib import Path
 from types import FrameType
 
 from visitlab_cli.errors import Interrupted, RunError
+from visitlab_cli.stopping import ending_signals
 
 LOOPBACK = "127.0.0.1"
 ENDS_WITHIN = 5.0
@@ -44,7 +45,8 @@ def free_port() -> int:
 def started(*arguments: str, environment: dict[str, str] | None = None) -> Iterator[subprocess.Popen[bytes]]:
     """Rerun's program, silent, reachable from this machine only; it ends with the block."""
     command = [str(program()), *arguments, "--bind", LOOPBACK]
-    signal.signal(signal.SIGTERM, _stop)
+    for number in ending_signals():
+        signal.signal(number, _stop)
     surroundings = {**os.environ, "RERUN_APP_ONLY": "true", **(environment or {})}
     with subprocess.Popen(
         command, env=surroundings, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL

@@ -3,6 +3,7 @@
 import rerun as rr
 
 from visitlab_cli.replay import actors, curves, lab
+from visitlab_cli.replay.away import draw_signs
 from visitlab_cli.replay.blueprint import blueprint_of, view_of
 from visitlab_cli.replay.stage import Stage
 from visitlab_cli.replay.trial import Trial
@@ -39,6 +40,7 @@ def draw(stage: Stage) -> None:
     if trial.has_engagement:
         actors.draw_desired_direction(stage)
     actors.draw_robot(stage)
+    draw_signs(stage)
     actors.draw_gestures(stage)
     curves.draw_words(stage)
     curves.draw_states(stage)
