@@ -23,7 +23,7 @@ agents:
 experiments:
   navigation: {{task: navigation, agents: [mb, mf], steps: 400}}
   go_to_human: {{task: go_to_human, agents: [mb], steps: 400}}
-  social: {{task: social, agents: [mb], humans: [slow], steps: 400}}
+  social: {{task: social, agents: [{agents_of_social}], humans: [slow], steps: 400}}
   visit:
     task: visit
     modules: {{navigation: navigation/mf, go_to_human: go_to_human/mb, social: social/mb/slow}}
@@ -35,11 +35,12 @@ experiments:
 VERSIONS = {"visitlab": "0", "python": "3"}
 
 
-def open_lab(out, *, name="lab", seed=0, seeds=3, models="paired", more=""):
+def open_lab(out, *, name="lab", seed=0, seeds=3, models="paired", agents_of_social="mb", more=""):
     """A run folder below `out` without cells, and its plan by path."""
     file = out / "lab.yaml"
     out.mkdir(parents=True, exist_ok=True)
-    file.write_text(LAB.format(name=name, seed=seed, seeds=seeds, models=models) + more)
+    filled = LAB.format(name=name, seed=seed, seeds=seeds, models=models, agents_of_social=agents_of_social)
+    file.write_text(filled + more)
     run, config = open_run(out, load(file), VERSIONS)
     return run, {cell.path: cell for cell in plan(config)}
 

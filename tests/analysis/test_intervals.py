@@ -26,6 +26,15 @@ def test_quantiles_are_those_of_the_tables(degrees, at_95, at_99):
     assert t_quantile(degrees, 0.99) == pytest.approx(at_99, abs=6e-4)
 
 
+@pytest.mark.parametrize("degrees", [1.0, 1.3, 2.5, 7.9, 40.25])
+def test_degrees_need_not_be_whole(degrees):
+    """The density, integrated by the trapezoid rule over the angle, has the confidence within the quantile."""
+    angles = np.linspace(0, math.atan(t_quantile(degrees) / math.sqrt(degrees)), 200_001)
+    constant = math.exp(math.lgamma((degrees + 1) / 2) - math.lgamma(degrees / 2)) / math.sqrt(math.pi)
+    inside = 2 * constant * np.trapezoid(np.cos(angles) ** (degrees - 1), angles)
+    assert inside == pytest.approx(0.95, abs=1e-8)
+
+
 def test_many_degrees_of_freedom_are_the_normal():
     assert t_quantile(9999) == pytest.approx(1.95996, abs=5e-4)
 

@@ -16,7 +16,7 @@ def values(where, numbers):
 def test_agents_are_independent_since_their_random_numbers_are(tmp_path):
     run, cells = open_lab(tmp_path)
     plan = reach(run, cells, values("navigation/mb", [1, 2, 3]) | values("navigation/mf", [11, 12, 13]))
-    (pair,) = compare_by(run, plan, "agent")
+    (pair,) = compare_by(run, plan, "agent").pairs
     assert (pair.where, pair.first.name, pair.second.name) == ("navigation", "mb", "mf")
     assert (pair.paired, pair.n, pair.difference.mean, pair.probability_of_improvement) == (False, 3, 10.0, 1.0)
     assert pair.difference.half == pytest.approx(2.776 * math.sqrt(2 / 3), abs=1e-3)  # 4 degrees of freedom
@@ -25,7 +25,7 @@ def test_agents_are_independent_since_their_random_numbers_are(tmp_path):
 def test_visits_with_the_same_modules_are_paired(tmp_path):
     run, cells = open_lab(tmp_path)
     plan = reach(run, cells, values("visit/slow", [1, 5, 9]) | values("visit/fast", [2, 7, 12]))
-    (pair,) = compare_by(run, plan, "human")
+    (pair,) = compare_by(run, plan, "human").pairs
     assert (pair.where, pair.first.name, pair.second.name, pair.measure) == (
         "visit mb",
         "slow",
@@ -40,7 +40,7 @@ def test_visits_with_the_same_modules_are_paired(tmp_path):
 def test_only_common_seeds_make_pairs(tmp_path):
     run, cells = open_lab(tmp_path)
     plan = reach(run, cells, values("visit/slow", [1, 5, 100]) | values("visit/fast", [2, 7]))
-    (pair,) = compare_by(run, plan, "human")
+    (pair,) = compare_by(run, plan, "human").pairs
     assert (pair.paired, pair.n, pair.first.n, pair.first.mean, pair.difference.mean) == (True, 2, 2, 3.0, 1.5)
 
 
@@ -51,15 +51,79 @@ def test_a_setting_that_varies(tmp_path):
     at = "visit/fast/agents.mf.alpha=0.1,humans.fast.p_A="
     done |= {f"{at}0.0": [0, 4], f"{at}0.5": [1, 5], "visit/slow/agents.mf.alpha=0.5": [3, 3]}
     plan = reach(run, cells, {path: n for where, numbers in done.items() for path, n in values(where, numbers).items()})
-    by_alpha = compare_by(run, plan, "agents.mf.alpha")
+    by_alpha = compare_by(run, plan, "agents.mf.alpha").pairs
     assert [(pair.where, pair.first.name, pair.second.name, pair.difference.mean) for pair in by_alpha] == [
         ("navigation mf", "0.1", "0.5", 1.0),
         ("navigation mf", "0.1", "1.0", 2.0),
         ("navigation mf", "0.5", "1.0", 1.0),
     ]
-    (by_human,) = compare_by(run, plan, "humans.fast.p_A")
+    (by_human,) = compare_by(run, plan, "humans.fast.p_A").pairs
     assert by_human.where == "visit mb fast agents.mf.alpha=0.1"
     assert (by_human.paired, by_human.difference) == (True, (1.0, 0.0))
+
+
+def test_agents_are_compared_at_each_of_their_settings(tmp_path):
+    run, cells = open_lab(tmp_path, more="vary: {agents.mf.alpha: [0.1, 0.5], interaction.distances: [[1, 2, 3, 5]]}\n")
+    done = {"navigation/mb": [1, 2], "navigation/mf/agents.mf.alpha=0.1": [3, 4], "go_to_human/mb": [1, 1]}
+    done |= {"navigation/mf/agents.mf.alpha=0.5": [5, 6]}
+    done = {path if "go_to" not in path else f"{path}/interaction.distances=0": n for path, n in done.items()}
+    plan = reach(run, cells, {path: n for where, numbers in done.items() for path, n in values(where, numbers).items()})
+    compared = compare_by(run, plan, "agent")
+    assert [(pair.where, pair.first.name, pair.second.name) for pair in compared.pairs] == [
+        ("navigation", "mb", "mf agents.mf.alpha=0.1"),
+        ("navigation", "mb", "mf agents.mf.alpha=0.5"),
+    ]
+    assert compared.alone == ["go_to_human/mb/interaction.distances=0"]
+
+
+def test_humans_are_compared_at_each_of_their_settings(tmp_path):
+    run, cells = open_lab(tmp_path, more="vary: {humans.fast.p_A: [0, 0.5]}\n")
+    done = {"visit/slow": [1, 2], "visit/fast/humans.fast.p_A=0.0": [3, 4], "visit/fast/humans.fast.p_A=0.5": [5, 6]}
+    plan = reach(run, cells, {path: n for where, numbers in done.items() for path, n in values(where, numbers).items()})
+    assert [(pair.first.name, pair.second.name, pair.paired) for pair in compare_by(run, plan, "human").pairs] == [
+        ("slow", "fast humans.fast.p_A=0.0", True),
+        ("slow", "fast humans.fast.p_A=0.5", True),
+    ]
+
+
+ANOTHER_VISIT = """
+  visit_mf:
+    task: visit
+    modules: {{navigation: navigation/mf, go_to_human: go_to_human/mb, social: {social}}}
+    humans: [slow]
+    trials: {trials}
+    trial_steps: 10
+"""
+
+
+def with_another_visit(tmp_path, trials=20, social="social/mf/slow"):
+    run, cells = open_lab(tmp_path, more=ANOTHER_VISIT.format(trials=trials, social=social), agents_of_social="mb, mf")
+    return run, reach(run, cells, values("visit/slow", [1, 2, 3]) | values("visit_mf/slow", [2, 4, 6]))
+
+
+def test_visits_whose_social_agents_differ_are_compared(tmp_path):
+    (pair,) = compare_by(*with_another_visit(tmp_path), "agent").pairs
+    assert (pair.where, pair.first.name, pair.second.name) == ("visit slow / visit_mf slow", "mb", "mf")
+    assert (pair.paired, pair.difference.mean, pair.measure) == (False, 2.0, "goals a trial")
+
+
+def test_visits_that_differ_in_more_are_not_compared(tmp_path):
+    with pytest.raises(NotFoundError, match="nothing that is done differs in agent alone"):
+        compare_by(*with_another_visit(tmp_path, trials=21), "agent")
+
+
+@pytest.mark.parametrize("key", ["agent", "experiments.visit.modules.social"])
+def test_a_social_module_that_varies(tmp_path, key):
+    vary = "vary: {experiments.visit.modules.social: [social/mb/slow, social/mf/slow]}\n"
+    run, cells = open_lab(tmp_path, more=vary, agents_of_social="mb, mf")
+    at = "visit/slow/experiments.visit.modules.social="
+    plan = reach(run, cells, values(f"{at}0", [1, 2, 3]) | values(f"{at}1", [2, 4, 6]))
+    (pair,) = compare_by(run, plan, key).pairs
+    names = [f"social/{agent}/slow" for agent in ("mb", "mf")]
+    if key == "agent":
+        names = [f"{name.split('/')[1]} {'experiments.visit.modules.social'}={name}" for name in names]
+    assert (pair.where, pair.first.name, pair.second.name) == ("visit slow", *names)
+    assert pair.difference.mean == 2.0
 
 
 def test_two_runs_are_paired_where_their_random_numbers_are_the_same(tmp_path):

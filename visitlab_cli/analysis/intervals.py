@@ -1,6 +1,6 @@
-"""Student's t without tables: the finite sums for whole degrees of freedom, inverted by bisection.
+"""Student's t without tables: the incomplete beta function by its continued fraction, inverted by bisection.
 
-Source: Abramowitz and Stegun, Handbook of Mathematical Functions, 26.7.3 and 26.7.4.
+Source: Abramowitz and Stegun, Handbook of Mathematical Functions, 26.5.8 and 26.7.1; Lentz's evaluation.
 """
 
 import math
@@ -11,27 +11,36 @@ import numpy as np
 
 CONFIDENCE = 0.95
 BISECTIONS = 60
+MOST_TERMS, CLOSE = 1000, 1e-15
 
 
-def _within(angle: float, degrees: int) -> float:
-    """P(|T| < t) for `degrees` of freedom, with t = tan(angle) sqrt(degrees), angle in (0, pi/2)."""
-    cosine, sine = math.cos(angle), math.sin(angle)
-    odd = degrees % 2 == 1
-    if degrees == 1:
-        return 2 * angle / math.pi
-    k = np.arange(1, degrees // 2)
-    ratios = 2 * k / (2 * k + 1) if odd else (2 * k - 1) / (2 * k)
-    total = 1 + float(np.cumprod(ratios * cosine**2).sum())
-    return 2 / math.pi * (angle + sine * cosine * total) if odd else sine * total
+def _incomplete_beta(x: float, a: float, b: float) -> float:
+    """The regularised incomplete beta function, by its continued fraction where that converges fast."""
+    if x >= (a + 1) / (a + b + 2):
+        return 1.0 - _incomplete_beta(1.0 - x, b, a)
+    scale = math.exp(math.lgamma(a + b) - math.lgamma(a) - math.lgamma(b) + a * math.log(x) + b * math.log1p(-x)) / a
+    numerator, denominator = 1.0, 1.0 / (1.0 - (a + b) * x / (a + 1))
+    fraction = denominator
+    for m in range(1, MOST_TERMS):
+        even = m * (b - m) * x / ((a + 2 * m - 1) * (a + 2 * m))
+        odd = -(a + m) * (a + b + m) * x / ((a + 2 * m) * (a + 2 * m + 1))
+        for term in (even, odd):
+            denominator = 1.0 / (1.0 + term * denominator)
+            numerator = 1.0 + term / numerator
+            factor = numerator * denominator
+            fraction *= factor
+        if abs(factor - 1.0) < CLOSE:
+            break
+    return scale * fraction
 
 
 @cache
-def t_quantile(degrees: int, confidence: float = CONFIDENCE) -> float:
-    """The t that |T| stays below with probability `confidence`, for `degrees` of freedom, at least 1."""
+def t_quantile(degrees: float, confidence: float = CONFIDENCE) -> float:
+    """The t that |T| stays below with probability `confidence`, for `degrees` of freedom, 1 or more."""
     low, high = 0.0, math.pi / 2
     for _ in range(BISECTIONS):
-        middle = (low + high) / 2
-        if _within(middle, degrees) < confidence:
+        middle = (low + high) / 2  # t = tan(middle) sqrt(degrees)
+        if 1.0 - _incomplete_beta(math.cos(middle) ** 2, degrees / 2, 0.5) < confidence:
             low = middle
         else:
             high = middle

@@ -13,6 +13,8 @@ from typing import Any, NamedTuple
 
 from visitlab_cli.analysis.summary_estimate import Estimate, difference_of, mean_of, probability_of_improvement
 from visitlab_cli.analysis.summary_groups import Group, groups_of, unit_values
+from visitlab_cli.config.experiments import Visit
+from visitlab_cli.config.names import module
 from visitlab_cli.config.problems import or_else
 from visitlab_cli.errors import NotFoundError, UsageError
 from visitlab_cli.execution.cells import Cell
@@ -65,8 +67,30 @@ class Pair(NamedTuple):
         }
 
 
-def compare_by(run: Path, cells: Sequence[Cell], key: str) -> list[Pair]:
+class Compared(NamedTuple):
+    """All pairs of a run, and the paths of the finished groups that differ from no other in the key alone."""
+
+    pairs: list[Pair]
+    alone: list[str]
+
+
+class _Member(NamedTuple):
+    """A group as one of several that are `alike` but for the key, of which it has a `value`; `name` says all of it."""
+
+    group: Group
+    value: str
+    name: str
+    alike: str
+    where: str
+    reached: Values
+
+
+def compare_by(run: Path, cells: Sequence[Cell], key: str) -> Compared:
     """All pairs of conditions of a run that differ in `key` alone: agent, human, or a path that varies.
+
+    What varies of an agent or a human itself belongs to it: each of its settings is compared with each other agent
+    or human. The agent of a visit is that of its social module, so that visits which differ in it alone are compared,
+    whatever the experiments are called.
 
     Raises:
         UsageError: the run has no such key.
@@ -76,20 +100,17 @@ def compare_by(run: Path, cells: Sequence[Cell], key: str) -> list[Pair]:
     known = [AGENT, HUMAN, *dict.fromkeys(path for group in groups for path, _ in group.point)]
     if key not in known:
         raise UsageError(f"--by {key}: the run has no such key{or_else(key, known)}")
-    alike: dict[str, list[tuple[str, Group, Values]]] = {}
-    for group in groups:
-        condition, where = _split(group, key)
-        values = unit_values(run, group.cells)
-        if condition and values:
-            alike.setdefault(where, []).append((condition, group, values))
-    pairs = [
-        _pair(where, group.measure, (first, ours), (second, theirs), same_luck=True)
-        for where, members in alike.items()
-        for (first, group, ours), (second, _, theirs) in combinations(members, 2)
-    ]
+    members = [each for group in groups if (each := _member(run, group, key)) is not None]
+    pairs, paired = [], set()
+    for first, second in combinations(members, 2):
+        if first.alike == second.alike and first.value != second.value:
+            where = " / ".join(dict.fromkeys((first.where, second.where)))
+            sides = (first.name, first.reached), (second.name, second.reached)
+            pairs.append(_pair(where, first.group.measure, *sides, same_luck=True))
+            paired |= {first.group.path, second.group.path}
     if not pairs:
         raise NotFoundError(f"{run}: nothing that is done differs in {key} alone")
-    return pairs
+    return Compared(pairs, [each.group.path for each in members if each.group.path not in paired])
 
 
 def compare_runs(first: tuple[Path, Sequence[Cell]], second: tuple[Path, Sequence[Cell]]) -> list[Pair]:
@@ -114,13 +135,46 @@ def compare_runs(first: tuple[Path, Sequence[Cell]], second: tuple[Path, Sequenc
     return pairs
 
 
-def _split(group: Group, key: str) -> tuple[str, str]:
-    """A group's condition as far as `key` goes, empty where it has none, and all else that says where it is."""
+def _member(run: Path, group: Group, key: str) -> _Member | None:
+    """A group seen by `key`; None where it has no value of it, or nothing that is done."""
     point = dict(group.point)
-    named = {"experiment": group.experiment, AGENT: group.agent, HUMAN: group.human}
-    condition = named[key] if key in named else point.pop(key, "")
-    rest = [value for name, value in named.items() if name != key and value]
-    return condition, " ".join([*rest, *(f"{path}={value}" for path, value in point.items())])
+    value = {AGENT: group.agent, HUMAN: group.human}.get(key) or point.get(key, "")
+    reached = unit_values(run, group.cells) if value else {}
+    if not reached:
+        return None
+    own = {path: point.pop(path) for path in list(point) if path == key or _belongs(path, group, key)}
+    name = " ".join([value, *(f"{path}={own[path]}" for path in own if path != key)])
+    rest = [] if key == HUMAN else [group.human]
+    if not (key == AGENT or _chooses_social(key, group)):
+        rest.insert(0, group.agent)
+    rest = [*filter(None, rest), *(f"{path}={point[path]}" for path in point)]
+    where = " ".join([group.experiment, *rest])
+    settings = group.cells[0].settings
+    if key == AGENT and isinstance(settings, Visit):
+        anyone = module(settings.modules.social)._replace(agent="*")
+        modules = settings.modules.model_copy(update={"social": "/".join(filter(None, anyone))})
+        rest.insert(0, settings.model_copy(update={"modules": modules, "humans": ()}).model_dump_json())
+    else:
+        rest.insert(0, group.experiment)
+    return _Member(group, value, name, " ".join(rest), where, reached)
+
+
+def _belongs(path: str, group: Group, key: str) -> bool:
+    """Whether what varies at a path is a part of the group's agent or human."""
+    if key == HUMAN:
+        return path.startswith(f"humans.{group.human}.")
+    if key != AGENT:
+        return False
+    parameters = group.cells[0].config.agents[group.agent]
+    agents = group.agent, *(getattr(parameters, reference) for reference in parameters.references)
+    ours = any(f"{path}.".startswith(f"agents.{agent}.") for agent in agents)
+    return ours or _chooses_social(path, group)
+
+
+def _chooses_social(path: str, group: Group) -> bool:
+    """Whether a visit's social module, and with it its agent, is what varies at a path."""
+    modules = f"experiments.{group.experiment}.modules"
+    return isinstance(group.cells[0].settings, Visit) and path in (modules, f"{modules}.social")
 
 
 def _pair(where: str, measure: str, first: tuple[str, Values], second: tuple[str, Values], *, same_luck: bool) -> Pair:

@@ -8,13 +8,14 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
+from visitlab_cli.config.grid import value_in_words
 from visitlab_cli.execution.cells import Cell
 from visitlab_cli.execution.evaluation import Evaluation
 from visitlab_cli.storage.cell_folder import read_cell
 from visitlab_cli.world.columns import VISIT
 
 Point = tuple[tuple[str, str], ...]
-"""The values of a point of the grid by their paths, as far as they matter to a cell, as its folder names them."""
+"""The values of a point of the grid by their paths, as far as they matter to a cell, in words."""
 
 
 class Group(NamedTuple):
@@ -48,10 +49,8 @@ def groups_of(cells: Sequence[Cell]) -> list[Group]:
 
 
 def point_of(cell: Cell) -> Point:
-    """Where a cell lies in the grid, read from its path (no other name may hold an equals sign)."""
-    labels = [part for part in cell.group.split("/") if "=" in part]
-    pairs = (label.partition("=") for label in labels[0].split(",")) if labels else ()
-    return tuple((path, value) for path, _, value in pairs)
+    """Where a cell lies in the grid, as far as that matters to it."""
+    return tuple((path, value_in_words(value)) for path, value in cell.point.items())
 
 
 def unit_of(cell: Cell) -> str:

@@ -13,14 +13,21 @@ if TYPE_CHECKING:
     from visitlab_cli.analysis.pairs import Pair
 
 
+MOST_NAMED = 6
+
+
 def tell_by(folder: Path, key: str, as_json: bool) -> None:
     """Print all pairs of conditions of a run that differ in `key` alone."""
     from visitlab_cli.analysis.pairs import compare_by
     from visitlab_cli.execution.cells import plan
     from visitlab_cli.storage.run_folder import read_config
 
-    pairs = compare_by(folder, plan(read_config(folder)), key)
-    _tell({"run": str(folder), "by": key}, pairs, [], as_json)
+    compared = compare_by(folder, plan(read_config(folder)), key)
+    alone = compared.alone
+    more = f" and {len(alone) - MOST_NAMED} more" if len(alone) > MOST_NAMED else ""
+    notes = [f"Not compared, nothing differs from it in {key} alone: {', '.join(alone[:MOST_NAMED])}{more}."]
+    told = {"run": str(folder), "by": key, "not_compared": alone}
+    _tell(told, compared.pairs, notes if alone else [], as_json)
 
 
 def tell_runs(first: Path, second: Path, as_json: bool) -> None:
@@ -48,7 +55,7 @@ def _tell(told: dict[str, Any], pairs: "list[Pair]", notes: list[str], as_json: 
     lines = [
         aligned([head, *map(_row, pairs)], words=5),
         "",
-        "Last tenth of trials; the second less the first with half its 95% interval (Student's t).",
+        "Last tenth of trials; the second less the first with half its 95% interval (Student's t; Welch's, unpaired).",
         "Improves: the probability that a seed of the second is better than one of the first; a tie is half.",
         "Paired: the same modules, or the same random numbers, in both; n pairs. Else n is the smaller number.",
         *notes,

@@ -1,6 +1,7 @@
 """`vary`: a config as a grid of configs."""
 
 import itertools
+import json
 import math
 import re
 from collections.abc import Iterable, Iterator, Sequence
@@ -51,6 +52,11 @@ def label(path: str, value: Any, values: Sequence[Any]) -> str:
     texts = [_text(each) for each in values]
     plain = all(texts) and len({str(text).lower() for text in texts}) == len(texts)
     return f"{path}={_text(value) if plain else list(values).index(value)}"
+
+
+def value_in_words(value: Any) -> str:
+    """A value of a grid as a reader sees it: text as it is, all else as JSON."""
+    return value if isinstance(value, str) else json.dumps(value)
 
 
 def _text(value: Any) -> str | None:

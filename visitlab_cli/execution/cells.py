@@ -3,6 +3,7 @@
 import hashlib
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from typing import Any
 
 from visitlab_cli.config.canonical import config_hash
 from visitlab_cli.config.experiments import Experiment, SocialTraining, Training, Visit
@@ -19,7 +20,7 @@ class Cell:
 
     `path` is where it lies in the run folder and what names its random stream; `modules` are the paths of the
     trained cells that it needs, by the module's name: a visit's three, or the social one that a training starts from.
-    `evaluation` is what differs from the config.
+    `evaluation` is what differs from the config; `point` has the values of the grid that matter to it, by path.
     """
 
     path: str
@@ -31,6 +32,7 @@ class Cell:
     human: str = ""
     modules: dict[str, str] = field(default_factory=dict)
     evaluation: Evaluation = AS_DECLARED
+    point: dict[str, Any] = field(default_factory=dict)
 
     @property
     def frozen(self) -> bool:
@@ -72,19 +74,24 @@ LONGEST_FOLDER_NAME = 200
 
 @dataclass(frozen=True)
 class _Point:
-    """One point of the grid, and the folder names of the values that it sets, by path."""
+    """One point of the grid: the values that it sets, and their names in folders, by path."""
 
     config: Config
+    values: dict[str, Any]
     labels: dict[str, str]
     run_hash: str
 
+    def values_of(self, used: set[str]) -> dict[str, Any]:
+        """Those values that lie in a `used` part of the config, by path."""
+        return {
+            path: value
+            for path, value in self.values.items()
+            if any(path == part or path.startswith(part + ".") for part in used)
+        }
+
     def labels_of(self, used: set[str]) -> str:
-        """The names of those values that lie in a `used` part of the config."""
-
-        def matters(path: str) -> bool:
-            return any(path == part or path.startswith(part + ".") for part in used)
-
-        joined = ",".join(name for path, name in self.labels.items() if matters(path))
+        """Their names."""
+        joined = ",".join(self.labels[path] for path in self.values_of(used))
         if len(joined) <= LONGEST_FOLDER_NAME:
             return joined
         return f"vary-{hashlib.sha256(joined.encode()).hexdigest()[:8]}"
@@ -96,7 +103,7 @@ def plan(config: Config, evaluation: Evaluation | None = None) -> list[Cell]:
     run_hash = config_hash(config)
     for variant in variants(config):
         labels = {path: label(path, value, config.vary[path]) for path, value in variant.values.items()}
-        point = _Point(variant.config, labels, run_hash)
+        point = _Point(variant.config, variant.values, labels, run_hash)
         for name, settings in variant.config.experiments.items():
             if isinstance(settings, Visit):
                 made = _visits(point, name, evaluation or AS_DECLARED)
@@ -125,7 +132,8 @@ def _trainings(point: _Point, name: str, settings: Training) -> Iterator[Cell]:
                 training, *starts = _chain(point.config, Module(name, agent, human))
                 path = _training_path(point, training, seed)
                 needed = {SOCIAL: _training_path(point, starts[0], seed)} if starts else {}
-                yield Cell(path, point.config, point.run_hash, name, seed, agent, human, needed)
+                values = point.values_of(_used_by_training(point.config, training))
+                yield Cell(path, point.config, point.run_hash, name, seed, agent, human, needed, point=values)
 
 
 def _chain(config: Config, training: Module) -> list[Module]:
@@ -153,13 +161,15 @@ def _visits(point: _Point, name: str, evaluation: Evaluation) -> Iterator[Cell]:
     modules = {task: module(getattr(settings.modules, task)) for task in (NAVIGATION, GO_TO_HUMAN, SOCIAL)}
     for human in evaluation.humans or settings.humans:
         used = {f"experiments.{name}", f"humans.{human}", *EVERY_CELL, INTERACTION}
-        labels = point.labels_of(used.union(*(_used_by_training(config, where) for where in modules.values())))
+        used = used.union(*(_used_by_training(config, where) for where in modules.values()))
+        labels = point.labels_of(used)
         for seed, model_seed in _seed_pairs(settings.models, config.seeds):
             model = f"{MODEL}{model_seed:04d}" if settings.models == "crossed" else ""
             path = evaluation.folder + "/".join(filter(None, (name, human, labels, model, _seed(seed))))
             needed = {task: _training_path(point, where, model_seed) for task, where in modules.items()}
             agent = modules[SOCIAL].agent
-            yield Cell(path, config, point.run_hash, name, seed, agent, human, needed, evaluation)
+            values = point.values_of(used)
+            yield Cell(path, config, point.run_hash, name, seed, agent, human, needed, evaluation, values)
 
 
 def _seed_pairs(models: str, seeds: int) -> list[tuple[int, int]]:
