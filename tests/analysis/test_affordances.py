@@ -10,11 +10,12 @@ from tests.world.package_log import HUMAN, package_log
 from visitlab_cli.analysis.affordance_counts import KINDS, Kind, count_levels, kind_of, learned_counts, parts_of
 from visitlab_cli.analysis.affordance_policy import UNSEEN, policy_map
 from visitlab_cli.analysis.affordance_truth import FIRST_ENGAGED, true_transitions
-from visitlab_cli.analysis.affordances import Selection, affordances, graph
+from visitlab_cli.analysis.affordances import affordances, graph
 from visitlab_cli.analysis.affordances_json import ARROWS, as_json, weight
 from visitlab_cli.config.human import Human
 from visitlab_cli.errors import NotFoundError
 from visitlab_cli.execution.cells import plan
+from visitlab_cli.execution.selection import Selection
 from visitlab_cli.recording.reader import read_steps
 from visitlab_cli.storage.arrays import read_model
 from visitlab_cli.storage.run_folder import read_config

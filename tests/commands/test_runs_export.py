@@ -93,9 +93,9 @@ def test_no_text_is_a_formula():
         (
             ["--csv", "--trial", "3"],
             2,
-            "a table holds all trials; choose cells by --experiment, --human, --agent, --seed",
+            "a table holds all trials; choose cells by --experiment, --human, --agent, --seed, --at",
         ),
-        (["--csv", "--human", "nobody"], 5, "no finished cell with --human nobody"),
+        (["--csv", "--human", "nobody"], 5, "no human nobody; known: fast, fast_pointing, slow"),
     ],
 )
 def test_what_does_not_work_is_one_line(tiny_run, tmp_path, arguments, code, line):

@@ -9,6 +9,7 @@ import pytest
 from tests.program import visitlab
 from visitlab_cli.recording.reader import read_trial
 from visitlab_cli.recording.tables import names_of
+from visitlab_cli.replay.choice import CHOOSE
 from visitlab_cli.story import LEVEL_NAMES, captions, direction_name, room_name
 
 CELL = "visit/fast/seed-0000"
@@ -16,7 +17,7 @@ CELL = "visit/fast/seed-0000"
 
 def test_a_line_for_each_step_in_the_words_of_the_replay(tiny_run):
     done = visitlab("steps", tiny_run, "--trial", 2)
-    assert done.stderr == f"chose {CELL} of 3 cells; the next is visit/slow/seed-0000\n"
+    assert done.stderr == f"chose {CELL} of 3 cells; the next is visit/slow/seed-0000; {CHOOSE}\n"
     title, _, head, *rows = done.stdout.splitlines()
     assert title == f"{CELL}, trial 2"
     assert head.split() == ["step", "goal", "desired", "level", "reward", "what", "happens"]

@@ -2,7 +2,8 @@
 
 import pytest
 
-from visitlab_cli.replay.choice import Selection, find_log
+from visitlab_cli.execution.selection import Selection
+from visitlab_cli.replay.choice import find_logs
 from visitlab_cli.replay.trial import load_trial
 
 CELLS = {
@@ -18,6 +19,6 @@ def trial_of(tiny_run):
     """A function: the trial `number` of a task's cell."""
 
     def load(task, number=1):
-        return load_trial(find_log(str(tiny_run), tiny_run.parent, CELLS[task]).path, number)
+        return load_trial(find_logs(str(tiny_run), tiny_run.parent, CELLS[task]).first[0].path, number)
 
     return load

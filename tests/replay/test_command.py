@@ -6,6 +6,7 @@ import subprocess
 import pytest
 
 from tests.program import visitlab
+from visitlab_cli.replay.choice import CHOOSE
 from visitlab_cli.replay.program import program
 
 NO_DISPLAY = {"DISPLAY": "", "WAYLAND_DISPLAY": ""}
@@ -28,7 +29,7 @@ def test_save(replay, tiny_run, tmp_path):
     done = replay("--trial", 3, "--save", "x.rrd", of=tiny_run)
     assert done.returncode == 0, done.stderr
     assert done.stdout == f"{CELL}, trial 3: x.rrd\n"
-    assert done.stderr == f"chose {CELL} of 3 cells; the next is visit/slow/seed-0000\n"
+    assert done.stderr == f"chose {CELL} of 3 cells; the next is visit/slow/seed-0000; {CHOOSE}\n"
     assert [file.name for file in tmp_path.iterdir()] == ["x.rrd"]
     verified = subprocess.run([program(), "rrd", "verify", tmp_path / "x.rrd"], capture_output=True, check=False)
     assert verified.returncode == 0
@@ -38,7 +39,7 @@ def test_json_and_a_selector(replay, tiny_run):
     done = replay("--experiment", "visit_scripted", "--trial", "best", "--save", "x.rrd", "--json", of=tiny_run)
     told = json.loads(done.stdout)
     assert told["cell"] == "visit_scripted/fast_pointing/seed-0000"
-    assert done.stderr == f"the best trial is {told['trial']}\n"
+    assert done.stderr == f"the best trial is {told['cell']}, trial {told['trial']}\n"
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,6 @@
 """What a run's social module believes: the learned Fig. 4 beside the true one, and how visits change it."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
@@ -14,6 +13,7 @@ from visitlab_cli.analysis.affordance_truth import FIRST_ENGAGED, Truth, true_tr
 from visitlab_cli.config.experiments import SocialTraining, Visit
 from visitlab_cli.errors import NotFoundError, RunError
 from visitlab_cli.execution.cells import Cell
+from visitlab_cli.execution.selection import Selection
 from visitlab_cli.storage.arrays import Arrays, read_model
 from visitlab_cli.storage.cell_folder import MODEL, read_cell
 from visitlab_cli.world.columns import SOCIAL
@@ -53,25 +53,10 @@ class Affordances(NamedTuple):
     adaptations: list[Adaptation]
 
 
-@dataclass(frozen=True)
-class Selection:
-    """Which social module is wanted; empty is any, that of the visits first."""
-
-    experiment: str = ""
-    agent: str = ""
-    human: str = ""
-    seed: int = 0
-
-    def matches(self, cell: Cell) -> bool:
-        """Whether a cell trains a module of this kind."""
-        named = ((self.experiment, cell.experiment), (self.agent, cell.agent), (self.human, cell.human))
-        return cell.seed == self.seed and all(wanted in ("", found) for wanted, found in named)
+FIRST = Selection(seed=0)
 
 
-ANY = Selection()
-
-
-def affordances(run: Path, cells: Sequence[Cell], selection: Selection = ANY) -> Affordances:
+def affordances(run: Path, cells: Sequence[Cell], selection: Selection = FIRST) -> Affordances:
     """The affordances that a social module of a run has learned.
 
     Args:

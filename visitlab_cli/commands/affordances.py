@@ -9,7 +9,7 @@ import typer
 
 from visitlab_cli.commands import completion
 from visitlab_cli.commands.optimum import aligned
-from visitlab_cli.commands.options import RUNS, Json, Out, Run
+from visitlab_cli.commands.options import RUNS, At, Json, Out, Run
 
 if TYPE_CHECKING:
     from visitlab_cli.analysis.affordances import Affordances, Graph
@@ -27,6 +27,7 @@ def command(
     agent: Annotated[str, typer.Option(help="Of this agent.", autocompletion=completion.agents)] = "",
     human: Annotated[str, typer.Option(help="Trained with this human.", autocompletion=completion.humans)] = "",
     seed: Annotated[int, typer.Option(min=0, help="Of this repetition, from 0.")] = 0,
+    at: At = None,
     picture: Annotated[
         Path | None,
         typer.Option(metavar="FILE", help="Draw it, with how it adapts: a .svg, .png or .pdf."),
@@ -38,13 +39,14 @@ def command(
 
     --json has every action and level, and where it would go around the human.
     """
-    from visitlab_cli.analysis.affordances import Selection, affordances
+    from visitlab_cli.analysis.affordances import affordances
     from visitlab_cli.analysis.affordances_json import as_json as to_json
     from visitlab_cli.execution.cells import plan
+    from visitlab_cli.execution.selection import Selection
     from visitlab_cli.storage.run_folder import find_run, read_config
 
     folder = find_run(run, out)
-    found = affordances(folder, plan(read_config(folder)), Selection(experiment, agent, human, seed))
+    found = affordances(folder, plan(read_config(folder)), Selection(experiment, human, agent, seed, tuple(at or ())))
     if picture is not None:
         from visitlab_cli.figures.affordance_picture import save_affordances
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from visitlab_cli.commands.options import RUNS, Agent, Experiment, Human, Json, Out, RunOrFile, Seed
+from visitlab_cli.commands.options import RUNS, Agent, At, Experiment, Human, Json, Out, RunOrFile, Seed
 
 if TYPE_CHECKING:
     from visitlab_cli.recording.foxglove_scene import Look, ShownTrial
@@ -26,11 +26,12 @@ def command(
     human: Human = "",
     agent: Agent = "",
     seed: Seed = None,
+    at: At = None,
     trial: Annotated[
         list[str] | None,
         typer.Option(
             metavar="N|SELECTOR",
-            help="As in replay; may be repeated, the trials then follow each other. Default: 0.",
+            help="As in replay; may be repeated: more trials of the same cell follow. Default: 0.",
             show_default=False,
         ),
     ] = None,
@@ -43,27 +44,30 @@ def command(
 ) -> None:
     """Write recorded trials as another program shows them, or tables of a run: choose one of the formats."""
     from visitlab_cli.errors import UsageError
-    from visitlab_cli.replay.choice import Selection, choose_trial, find_log
+    from visitlab_cli.execution.selection import Selection
+    from visitlab_cli.replay.choice import Logs, choose_trial, find_logs
 
     if foxglove + csv + parquet != 1:
         raise UsageError("choose one format: --csv, --parquet or --foxglove")
-    selection = Selection(experiment, human, agent, seed)
+    selection = Selection(experiment, human, agent, seed, tuple(at or ()))
     if not foxglove:
         from visitlab_cli.commands.runs_export import tell_table
 
         if trial:
             raise UsageError(
-                "--trial: a table holds all trials; choose cells by --experiment, --human, --agent, --seed"
+                "--trial: a table holds all trials; choose cells by --experiment, --human, --agent, --seed, --at"
             )
         tell_table(run, out, selection, table, output, "csv" if csv else "parquet", as_json)
         return
 
     from visitlab_cli.recording.foxglove import write_foxglove
 
-    log = find_log(run, out, selection)
-    if log.others:
-        typer.echo(f"chose {log.cell} of {len(log.others) + 1} cells; the next is {log.others[0]}", err=True)
-    numbers = list(dict.fromkeys(choose_trial(log.path, word) for word in trial or ["0"]))
+    first, *more = trial or ["0"]
+    chosen = choose_trial(find_logs(run, out, selection), first)
+    if chosen.note:
+        typer.echo(chosen.note, err=True)
+    log = chosen.log
+    numbers = list(dict.fromkeys([chosen.trial, *(choose_trial(Logs((log,)), word).trial for word in more)]))
     target = output or Path(_name(log.cell, numbers))
     rows = write_foxglove(target, (_shown(log.path, number) for number in numbers), _look())
     told = {"cell": log.cell, "trials": numbers, "rows": rows, "file": str(target)}

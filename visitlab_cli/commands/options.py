@@ -52,8 +52,13 @@ Agent = Annotated[
     typer.Option(help="Of this agent; in a visit the social module's.", autocompletion=completion.agents),
 ]
 Seed = Annotated[int | None, typer.Option(min=0, help="Of this repetition, from 0.")]
+At = Annotated[
+    list[str] | None,
+    typer.Option("--at", metavar="PATH=VALUE", help="Where this varies, at this value; may be repeated."),
+]
 TrialWord = Annotated[
-    str, typer.Option(metavar="N|SELECTOR", help="Its number, or best, worst, median, longest-engagement.")
+    str,
+    typer.Option(metavar="N|SELECTOR", help="Its number, or best, worst, median, longest-engagement of all that fit."),
 ]
 Out = Annotated[Path, typer.Option("--out", help="The folder of all runs.")]
 Workers = Annotated[

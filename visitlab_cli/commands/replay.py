@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from visitlab_cli.commands.options import RUNS, Agent, Experiment, Human, Json, Out, RunOrFile, Seed, TrialWord
+from visitlab_cli.commands.options import RUNS, Agent, At, Experiment, Human, Json, Out, RunOrFile, Seed, TrialWord
 
 
 def command(
@@ -15,6 +15,7 @@ def command(
     human: Human = "",
     agent: Agent = "",
     seed: Seed = None,
+    at: At = None,
     trial: TrialWord = "0",
     save: Annotated[Path | None, typer.Option(help="Write an .rrd file instead.")] = None,
     web: Annotated[bool, typer.Option("--web", help="Serve it to a browser on this machine instead.")] = False,
@@ -33,27 +34,27 @@ def command(
         raise UsageError("--png and --step: a picture needs both, as in --png picture.png --step 12")
     if save is not None and save.suffix.lower() != ".rrd":
         raise UsageError(f"--save {save}: must end in .rrd")
-    from visitlab_cli.replay.choice import Selection, choose_trial, find_log
+    from visitlab_cli.execution.selection import Selection
+    from visitlab_cli.replay.choice import choose_trial, find_logs
     from visitlab_cli.replay.trial import load_trial
 
-    log = find_log(run, out, Selection(experiment, human, agent, seed))
+    picked = choose_trial(find_logs(run, out, Selection(experiment, human, agent, seed, tuple(at or ()))), trial)
+    chosen = load_trial(picked.log.path, picked.trial)
     if save is None and not web and png is None and strip is None:
         from visitlab_cli.replay.viewer import check_display
 
         check_display()
-    if log.others:
-        typer.echo(f"chose {log.cell} of {len(log.others) + 1} cells; the next is {log.others[0]}", err=True)
-    chosen = load_trial(log.path, choose_trial(log.path, trial))
-    if not trial.isdecimal():
-        typer.echo(f"the {trial} trial is {chosen.number}", err=True)
+    if picked.note:
+        typer.echo(picked.note, err=True)
     if strip is not None:
         from visitlab_cli.replay.strip import save_strip
         from visitlab_cli.story import moments, strip_steps
 
         save_strip(chosen, strip)
-        left_out = len(moments(chosen.steps)) - len(set(strip_steps(chosen.steps)) - {0})
-        if left_out > 0:
-            typer.echo(f"the strip has room for the first moments only; {left_out} more are not on it", err=True)
+        shown = set(strip_steps(chosen.steps))
+        left_out = len({moment.step for moment in moments(chosen.steps)} - shown)
+        if left_out:
+            typer.echo(f"the strip has {len(shown)} steps; {left_out} more with a moment are not on it", err=True)
     elif png is not None and step is not None:
         from visitlab_cli.replay.picture import save_picture
 
@@ -71,5 +72,5 @@ def command(
         else:
             show(content)
     if target := save or png or strip:
-        told = {"cell": log.cell, "trial": chosen.number, "file": str(target)}
-        typer.echo(json.dumps(told) if as_json else f"{log.cell}, trial {chosen.number}: {target}")
+        told = {"cell": picked.log.cell, "trial": chosen.number, "file": str(target)}
+        typer.echo(json.dumps(told) if as_json else f"{picked.log.cell}, trial {chosen.number}: {target}")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import typer
 
 if TYPE_CHECKING:
-    from visitlab_cli.replay.choice import Selection
+    from visitlab_cli.execution.selection import Selection
 
 
 def tell_table(
@@ -32,7 +32,7 @@ def tell_table(
     file = output or Path(f"{folder.resolve().name}-{content}.{kind}")
     if file.suffix != f".{kind}":
         raise UsageError(f"--output {file}: must end in .{kind}")
-    chosen = [cell for cell in plan(read_config(folder)) if selection.matches(cell)]
+    chosen = selection.of(folder, plan(read_config(folder)))
     cells = [cell for cell in chosen if read_cell(folder / cell.path) is not None]
     if not cells:
         raise NotFoundError(f"{folder}: no finished cell {f'with {selection}' if str(selection) else 'at all'}")

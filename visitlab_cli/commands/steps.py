@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from visitlab_cli.commands.options import RUNS, Agent, Experiment, Human, Json, Out, RunOrFile, Seed, TrialWord
+from visitlab_cli.commands.options import RUNS, Agent, At, Experiment, Human, Json, Out, RunOrFile, Seed, TrialWord
 
 if TYPE_CHECKING:
     from visitlab_cli.story import Steps
@@ -17,18 +17,20 @@ def command(
     human: Human = "",
     agent: Agent = "",
     seed: Seed = None,
+    at: At = None,
     trial: TrialWord = "0",
     out: Out = RUNS,
     as_json: Json = False,
 ) -> None:
     """Print a recorded trial as a table, one step a line, in the words of the replay."""
+    from visitlab_cli.execution.selection import Selection
     from visitlab_cli.recording.reader import check_values, read_trial
-    from visitlab_cli.replay.choice import Selection, choose_trial, find_log
+    from visitlab_cli.replay.choice import choose_trial, find_logs
 
-    log = find_log(run, out, Selection(experiment, human, agent, seed))
-    if log.others:
-        typer.echo(f"chose {log.cell} of {len(log.others) + 1} cells; the next is {log.others[0]}", err=True)
-    number = choose_trial(log.path, trial)
+    chosen = choose_trial(find_logs(run, out, Selection(experiment, human, agent, seed, tuple(at or ()))), trial)
+    log, number = chosen.log, chosen.trial
+    if chosen.note:
+        typer.echo(chosen.note, err=True)
     steps = read_trial(log.path, number)
     check_values(log.path, steps)
     if as_json:

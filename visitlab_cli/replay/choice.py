@@ -1,59 +1,72 @@
-"""What a user's words choose: the log of a run's cell, and the trial in it."""
+"""What a user's words choose: the logs of a run's cells, and the trial in them."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
-from visitlab_cli.config.problems import or_else, printable
+from visitlab_cli.config.problems import printable
 from visitlab_cli.errors import NotFoundError, RunError, UsageError
 from visitlab_cli.execution.cells import Cell, plan
+from visitlab_cli.execution.selection import Selection, named
 from visitlab_cli.recording.reader import read_steps, trials
-from visitlab_cli.storage.cell_folder import STEPS, read_cell, reason
+from visitlab_cli.storage.arrays import read_trials
+from visitlab_cli.storage.cell_folder import STEPS, TRIALS, read_cell, reason
 from visitlab_cli.storage.run_folder import find_run, read_config
 from visitlab_cli.world.columns import VISIT
 from visitlab_cli.world.enums import InteractionLevel
 
+Numbers = npt.NDArray[np.int64]
+Rewards = npt.NDArray[np.float64]
 BEST, WORST, MEDIAN, LONGEST_ENGAGEMENT = SELECTORS = ("best", "worst", "median", "longest-engagement")
-MOST_NAMED = 3
 MOST_DIGITS = 9
+CHOOSE = "--experiment, --human, --agent, --seed and --at choose"
 
 
-@dataclass(frozen=True)
-class Selection:
-    """What is wanted of a run; empty or None is anything, visits first."""
+class Log(NamedTuple):
+    """A log, and the cell that it is of: its path in the run, or the file's own.
 
-    experiment: str = ""
-    human: str = ""
-    agent: str = ""
-    seed: int | None = None
-
-    def matches(self, cell: Cell) -> bool:
-        """Whether a cell is of the wanted kind."""
-        return (
-            self.experiment in ("", cell.experiment)
-            and self.human in ("", cell.human)
-            and self.agent in ("", cell.agent)
-            and self.seed in (None, cell.seed)
-        )
-
-    def __str__(self) -> str:
-        wanted = {"experiment": self.experiment, "human": self.human, "agent": self.agent, "seed": self.seed}
-        return " ".join(f"--{name} {value}" for name, value in wanted.items() if value not in ("", None))
-
-
-@dataclass(frozen=True)
-class Log:
-    """The log that was chosen, and the paths of the cells that would have done as well."""
+    In a run, one trial in `one_in` was recorded, and a table of all trials lies beside the log; of a file it is 0.
+    """
 
     path: Path
     cell: str
-    others: tuple[str, ...] = ()
+    one_in: int = 0
+
+    def trials(self) -> tuple[Numbers, Rewards]:
+        """The numbers and rewards of the recorded trials, each of shape (trials,).
+
+        Raises:
+            RunError: the log, or the table, is damaged.
+        """
+        if self.one_in:
+            rewards = read_trials(self.path.with_name(TRIALS))["reward"][:: self.one_in]
+            return np.arange(len(rewards)) * self.one_in, rewards
+        table = trials(self.path)
+        return table["trial"].astype(np.int64), table["reward"].astype(np.float64)
 
 
-def find_log(word: str, out: Path, selection: Selection) -> Log:
-    """The log that `word`, a run or an .mcap file, and the selection choose: of several the first.
+@dataclass(frozen=True)
+class Logs:
+    """The logs that a user's words fit, at least one: `first` of the same experiment, then `others`."""
+
+    first: tuple[Log, ...]
+    others: tuple[Log, ...] = ()
+
+
+class Chosen(NamedTuple):
+    """A trial of a log; `note` says what it was chosen from, empty where nothing else would have done."""
+
+    log: Log
+    trial: int
+    note: str
+
+
+def find_logs(word: str, out: Path, selection: Selection) -> Logs:
+    """The logs that `word`, a run or an .mcap file, and the selection choose; without an experiment visits first.
 
     Raises:
         NotFoundError: no such run or file, no such cell, or the cell has no log.
@@ -69,27 +82,23 @@ def find_log(word: str, out: Path, selection: Selection) -> Log:
             raise UsageError(f"{printable(word)}: is one log; {selection} choose within a run")
         if not is_file:
             raise NotFoundError(f"{printable(word)}: no such file")
-        return Log(file, str(file))
+        return Logs((Log(file, str(file)),))
     run = find_run(word, out)
-    chosen, *others = _done(run, _wanted(run, selection))
-    log = run / chosen.path / STEPS
-    if not log.is_file():
+    done = _done(run, _wanted(run, selection))
+    found = [(cell, Log(run / cell.path / STEPS, cell.path, cell.config.record.one_trial_in)) for cell in done]
+    recorded = [(cell, log) for cell, log in found if log.path.is_file()]
+    if not recorded:
         raise NotFoundError(
-            f"{run / chosen.path}: has no log, its config records no steps; run it with record.steps=every"
+            f"{run / done[0].path}: has no log, its config records no steps; run it with record.steps=every"
         )
-    return Log(log, chosen.path, tuple(cell.path for cell in others))
+    experiment = recorded[0][0].experiment
+    first = [log for cell, log in recorded if cell.experiment == experiment]
+    return Logs(tuple(first), tuple(log for cell, log in recorded if cell.experiment != experiment))
 
 
 def _wanted(run: Path, selection: Selection) -> list[Cell]:
     """The cells of the run's plan that match; without an experiment only its visits, if it has any."""
-    cells = plan(read_config(run))
-    matching = [cell for cell in cells if selection.matches(cell)]
-    if not matching:
-        for name in ("experiment", "human", "agent"):
-            value, known = getattr(selection, name), sorted({getattr(cell, name) for cell in cells} - {""})
-            if value and value not in known:
-                raise NotFoundError(f"{run}: no {name} {value}{or_else(value, known)}")
-        raise NotFoundError(f"{run}: no cell with {selection}; there are {_named([cell.path for cell in cells])}")
+    matching = selection.of(run, plan(read_config(run)))
     visits = [cell for cell in matching if cell.task == VISIT]
     return visits if visits and not selection.experiment else matching
 
@@ -100,49 +109,60 @@ def _done(run: Path, cells: Sequence[Cell]) -> list[Cell]:
         damaged = [cell.path for cell in cells if (run / cell.path / STEPS).exists()]
         if damaged:
             how = f"visitlab recover {run / damaged[0] / STEPS} saves what is whole of its log"
-            raise RunError(f"{run}: damaged: {_named(damaged)}; running again redoes it, {how}")
-        missing = _named([cell.path for cell in cells])
+            raise RunError(f"{run}: damaged: {named(damaged)}; running again redoes it, {how}")
+        missing = named([cell.path for cell in cells])
         raise NotFoundError(
             f"{run}: not run yet: {missing}; finish with visitlab run {run}/config.yaml --out {run.parent}"
         )
     return done
 
 
-def _named(paths: Sequence[str]) -> str:
-    more = f" and {len(paths) - MOST_NAMED} more" if len(paths) > MOST_NAMED else ""
-    return ", ".join(paths[:MOST_NAMED]) + more
+def choose_trial(logs: Logs, word: str) -> Chosen:
+    """The trial that `word` means: a number, in the first log, or one of `SELECTORS` over all recorded trials.
 
-
-def choose_trial(path: Path, word: str) -> int:
-    """The number of the trial that `word` means: itself, or one of `SELECTORS` over the recorded trials.
-
-    Of equals the earliest. `median` is the trial in the middle by reward; `longest-engagement` has the longest
-    unbroken time in which the human is greeted, called or following.
+    Of equals the earliest in the first log. `median` is the trial in the middle by reward; `longest-engagement` has
+    the longest unbroken time in which the human is greeted, called or following.
 
     Raises:
         UsageError: the word means nothing, or the task knows no engagement.
-        NotFoundError: the log holds no trial.
-        RunError: the log is damaged.
+        NotFoundError: the logs hold no trial.
+        RunError: a log is damaged.
     """
+    log, count = logs.first[0], len(logs.first) + len(logs.others)
     if word.isdecimal():
         if len(word) > MOST_DIGITS:
-            raise NotFoundError(f"{path}: no log has a trial of that number")
-        return int(word)
+            raise NotFoundError(f"{log.path}: no log has a trial of that number")
+        following = (*logs.first, *logs.others)[1:2]
+        note = f"chose {log.cell} of {count} cells; the next is {following[0].cell}; {CHOOSE}" if following else ""
+        return Chosen(log, int(word), note)
     if word not in SELECTORS:
         raise UsageError(f"--trial {printable(word)}: must be a number or one of {', '.join(SELECTORS)}")
-    table = trials(path)
-    numbers = table["trial"]
-    if not len(numbers):
-        raise NotFoundError(f"{path}: the log holds no trial")
     if word == LONGEST_ENGAGEMENT:
-        return _longest_engaged(path)
-    order = np.argsort(table["reward"], kind="stable")
-    if word == BEST:
-        return int(numbers[np.argmax(table["reward"])])
-    return int(numbers[order[0] if word == WORST else order[(len(order) - 1) // 2]])
+        lengths, numbers = zip(*(_longest_engaged(each.path) for each in logs.first), strict=True)
+        place = int(np.argmax(lengths))
+        log, number = logs.first[place], numbers[place]
+    else:
+        log, number = _by_reward(logs.first, word)
+    among = f" of {len(logs.first)} cells" if len(logs.first) > 1 else ""
+    rest = f"; {len(logs.others)} of other experiments were not looked at; {CHOOSE}" if logs.others else ""
+    return Chosen(log, number, f"the {word} trial{among} is {log.cell}, trial {number}{rest}")
 
 
-def _longest_engaged(path: Path) -> int:
+def _by_reward(logs: Sequence[Log], word: str) -> tuple[Log, int]:
+    tables = [log.trials() for log in logs]
+    rewards = np.concatenate([rewards for _, rewards in tables])
+    if not len(rewards):
+        raise NotFoundError(f"{logs[0].path}: the log holds no trial")
+    order = np.argsort(rewards, kind="stable")
+    best = int(np.argmax(rewards))
+    place = {BEST: best, WORST: int(order[0]), MEDIAN: int(order[(len(order) - 1) // 2])}[word]
+    of_log = np.repeat(np.arange(len(logs)), [len(numbers) for numbers, _ in tables])
+    numbers = np.concatenate([numbers for numbers, _ in tables])
+    return logs[of_log[place]], int(numbers[place])
+
+
+def _longest_engaged(path: Path) -> tuple[int, int]:
+    """The most steps without a break, and the trial that has them."""
     steps = read_steps(path)
     if "desired_direction" not in steps:
         raise UsageError(f"--trial {LONGEST_ENGAGEMENT}: nobody is engaged in this task")
@@ -150,4 +170,5 @@ def _longest_engaged(path: Path) -> int:
     changes = engaged[1:] != engaged[:-1]
     starts = np.concatenate([[0], np.flatnonzero(changes | (steps["trial"][1:] != steps["trial"][:-1])) + 1])
     lengths = np.diff(np.concatenate([starts, [len(engaged)]])) * engaged[starts]
-    return int(steps["trial"][starts[np.argmax(lengths)]])
+    longest = int(np.argmax(lengths))
+    return int(lengths[longest]), int(steps["trial"][starts[longest]])
