@@ -53,6 +53,15 @@ def test_names_with_dots(loaded: Load) -> None:
         ("seeds.x=1", "seeds: must be a whole number (got a mapping)"),
         ("seds=3", "seds: unknown; did you mean seeds?"),
         ("include=[x]", "include: cannot be overridden"),
+        (
+            "experiments.social.humans.0=slow",
+            "experiments.social.humans.0: experiments.social.humans is a list; give it whole, as in "
+            "experiments.social.humans=[human_1, human_2]",
+        ),
+        (
+            "expected.nowhere={value: 3, tolerance: 1}",
+            "expected.nowhere: no experiment is called nowhere; known: navigation, go_to_human, social, visit",
+        ),
         ("experiments.social.step=20", "experiments.social.step: unknown; did you mean steps?"),
         (
             "experiments.socail.steps=20",

@@ -7,7 +7,8 @@ import pytest
 from tests.config.lab import LAB, Complain, Load, edited
 from visitlab_cli.config.canonical import config_hash, dump_yaml
 from visitlab_cli.config.grid import label, variants
-from visitlab_cli.errors import ConfigError
+from visitlab_cli.config.loading import load_text
+from visitlab_cli.errors import ConfigError, UsageError
 
 GRID = "name: lab\nvary: {agents.mb.epsilon: [0, 0.5], humans.human_1.p_S: [[1, 0, 0], [0, 1, 0]]}"
 
@@ -92,6 +93,25 @@ def test_a_social_module_that_plans_and_one_that_does_not(loaded: Load) -> None:
 def test_bad_grids(complaint: Complain, vary: str, line: str) -> None:
     text = edited("name: lab", f"name: lab\nvary: {{{vary}}}")
     assert complaint(text) == [f"lab.yaml:2:{line}"]
+
+
+def test_a_kind_that_varies_brings_its_own_defaults(loaded: Load) -> None:
+    vary = "name: lab\nvary: {agents.mb.kind: [model_based, q_learning, rmax]}"
+    config = loaded(edited("name: lab", vary))
+    kinds = [variant.config.agents["mb"] for variant in variants(config)]
+    assert [type(agent)(kind=agent.kind) == agent for agent in kinds] == [True, True, True]
+    assert [agent.kind for agent in kinds] == ["model_based", "q_learning", "rmax"]
+    again = load_text(dump_yaml(config), "config.yaml")
+    assert [variant.config.agents["mb"] for variant in variants(again)] == kinds
+
+
+def test_an_override_of_what_varies_has_no_effect_and_is_refused(loaded: Load) -> None:
+    text = edited("name: lab", "name: lab\nvary: {agents.mb.epsilon: [0.1, 0.2]}")
+    with pytest.raises(UsageError) as error:
+        loaded(text, ["agents.mb.epsilon=0.3"])
+    instead = "has no effect, for the config varies it; override vary.agents.mb.epsilon=[0.3] instead"
+    assert str(error.value) == f"override 'agents.mb.epsilon': {instead}"
+    assert loaded(text, ["vary.agents.mb.epsilon=[0.3]"]).vary == {"agents.mb.epsilon": (0.3,)}
 
 
 def test_values_that_do_not_go_together(loaded: Load) -> None:

@@ -33,7 +33,11 @@ REFUSED = [
     (b"\xff\xfea", "1:1: not UTF-8"),
     ("é: 1\nñ: ".encode() + b"\x80", "2:5: not UTF-8"),
     ("é: 1\nñ: \x07", "2:4: a character that YAML does not allow: '\\x07'"),
-    ("a: [1", "2:1: not YAML: while parsing a flow sequence: did not find expected ',' or ']'"),
+    (
+        "a: [1",
+        "2:1: not YAML: while parsing a flow sequence that begins at line 1, column 4: "
+        "did not find expected ',' or ']'",
+    ),
     ("a: b: c", "1:5: not YAML: mapping values are not allowed in this context"),
     ("é: @x", "1:4: text that starts with @ must be in quotes"),
     ("a: %x", "1:4: text that starts with % must be in quotes"),

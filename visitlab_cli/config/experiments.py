@@ -23,7 +23,9 @@ def _distinct(entries: tuple[Any, ...]) -> tuple[Any, ...]:
     return entries
 
 
-Names = Annotated[tuple[Name, ...], Field(min_length=1), AfterValidator(_distinct)]
+Names = Annotated[
+    tuple[Name, ...], Field(min_length=1, json_schema_extra={"uniqueItems": True}), AfterValidator(_distinct)
+]
 Room = Annotated[int, Field(ge=0, lt=N_ROOMS)]
 
 

@@ -77,10 +77,22 @@ def _at(config: Config, point: dict[str, Any]) -> dict[str, Any]:
     for path, value in point.items():
         *parts, last = split_path(whole, path)
         target = plain
+        _forget_defaults(config, parts, last, plain)
         for part in parts:
             target = target[part]
         target[last] = value
     return plain
+
+
+def _forget_defaults(config: Config, parts: Sequence[str], last: str, plain: dict[str, Any]) -> None:
+    """Where an agent's kind or an experiment's task varies, the defaults of what it was are not taken along."""
+    if len(parts) != 2 or (parts[0], last) not in (("agents", "kind"), ("experiments", "task")):
+        return
+    section, name = parts
+    model = getattr(config, section)[name]
+    for setting, field in type(model).model_fields.items():
+        if not field.is_required() and getattr(model, setting) == field.default:
+            plain[section][name].pop(setting, None)
 
 
 def with_checked_grid(config: Config, document: Node) -> Config:

@@ -10,8 +10,9 @@ from visitlab_cli.config.grid import with_checked_grid
 from visitlab_cli.config.include import read_with_includes
 from visitlab_cli.config.model import Config
 from visitlab_cli.config.overrides import apply_overrides
-from visitlab_cli.config.problems import Problem, failure
+from visitlab_cli.config.problems import Problem, failure, shown
 from visitlab_cli.config.yaml_reader import read_yaml
+from visitlab_cli.errors import UsageError
 
 
 def load(name: str | Path, overrides: Sequence[str] = ()) -> Config:
@@ -28,11 +29,16 @@ def load(name: str | Path, overrides: Sequence[str] = ()) -> Config:
     Raises:
         NotFoundError: if there is no such file.
         ConfigError: with a line `file:line:column: path: message` for every problem.
-        UsageError: for an override that is not `key=value`.
+        UsageError: for an override that is not `key=value`, or of a setting that varies.
     """
     document, problems = read_with_includes(find(name))
     document, more = apply_overrides(document, overrides)
-    return with_checked_grid(build(document, problems + more), document)
+    config = with_checked_grid(build(document, problems + more), document)
+    for key, _, text in (override.partition("=") for override in overrides):
+        if key in config.vary:
+            instead = f"override vary.{key}=[{text}]"
+            raise UsageError(f"override {shown(key)}: has no effect, for the config varies it; {instead} instead")
+    return config
 
 
 def load_text(text: str, source: str) -> Config:

@@ -18,13 +18,16 @@ DOTTED_KEYS = ("vary",)
 def apply_overrides(document: Node, overrides: Sequence[str]) -> tuple[Node, list[Problem]]:
     """The document with each `key=value` set in turn, and what was wrong.
 
-    `expected` is dropped where anything but `seed` and `seeds` was overridden.
+    The document's `expected` is dropped where anything but `seed`, `seeds` and `expected` itself is overridden.
 
     Raises:
         UsageError: for an override that is not `key=value`.
         ConfigError: for a value that is not YAML.
     """
     problems: list[Problem] = []
+    keys = [override.partition("=")[0] for override in overrides]
+    if any(key not in HARMLESS and key.split(".")[0] != EXPECTED for key in keys):
+        document = document.with_entries({key: node for key, node in document.value.items() if key != EXPECTED})
     for override in overrides:
         key, equals, text = override.partition("=")
         if not equals or not all(key.split(".")):
@@ -35,9 +38,6 @@ def apply_overrides(document: Node, overrides: Sequence[str]) -> tuple[Node, lis
         place = Place(source)
         value = value or Node(None, place)
         document = _override(document, key, Node(value.value, place, place), problems)
-    if any(override.partition("=")[0] not in HARMLESS for override in overrides):
-        entries = {key: node for key, node in document.value.items() if key != EXPECTED}
-        document = document.with_entries(entries)
     return document, problems
 
 
@@ -52,6 +52,12 @@ def _override(document: Node, key: str, value: Node, problems: list[Problem]) ->
             message = f"no {NAMED[path[0]]} of this name{or_else(path[1], names)}"
             problems.append(Problem(value.place, (path[0], path[1]), message))
             return document
+    node, _ = document.nearest(path[:-1])
+    if isinstance(node.value, list):
+        whole = key.rpartition(".")[0]
+        message = f"{whole} is a list; give it whole, as in {whole}=[{', '.join(map(str, node.plain()))}]"
+        problems.append(Problem(value.place, tuple(path), message))
+        return document
     return _with(document, path, value)
 
 

@@ -1,10 +1,12 @@
 """The JSON Schema of a config file, for editors."""
 
 import json
+import re
 from typing import Any
 
 from visitlab_cli.config.like import LIKE, SECTIONS
 from visitlab_cli.config.model import Config
+from visitlab_cli.config.names import RESERVED_EXPERIMENTS
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 
@@ -27,6 +29,14 @@ def schema() -> dict[str, Any]:
         for pattern, entry in patterns.items():
             other = _starting_from_another(section, entry, result["$defs"])
             patterns[pattern] = {"if": {"required": [LIKE]}, "then": other, "else": entry}
+    experiments = result["properties"]["experiments"]
+    free = f"(?!(?:{'|'.join(re.escape(name) for name in RESERVED_EXPERIMENTS)})$)"
+    experiments["patternProperties"] = {
+        pattern.replace("^", f"^{free}", 1): entry for pattern, entry in experiments["patternProperties"].items()
+    }
+    start = result["$defs"]["SocialTraining"]["properties"]["start_from"]
+    del start["default"]  # null, which nobody may write
+    start |= next(each for each in start.pop("anyOf") if each["type"] == "string")
     for section in ("humans", "agents", "experiments"):
         result["properties"][section]["additionalProperties"] = False  # what is no name
     result["required"] = ["name"]

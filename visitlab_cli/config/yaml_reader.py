@@ -50,8 +50,11 @@ def _in_our_words(error: yaml.MarkedYAMLError, mark: Any, text: str) -> str:
         return "a tab; YAML is indented with spaces"
     if rest[:1] in ("@", "`", "%"):
         return f"text that starts with {rest[0]} must be in quotes"
-    context = f"{error.context}: " if error.context else ""
-    return f"not YAML: {context}{error.problem}"
+    context = error.context or ""
+    begun = error.context_mark
+    if context and begun and (begun.line, begun.column) != (mark.line, mark.column):
+        context += f" that begins at line {begun.line + 1}, column {begun.column + 1}"
+    return f"not YAML: {context}: {error.problem}" if context else f"not YAML: {error.problem}"
 
 
 class _Reader:
