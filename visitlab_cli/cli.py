@@ -2,7 +2,6 @@
 
 import contextlib
 import os
-import signal
 import sys
 from typing import Annotated, Any
 
@@ -32,7 +31,7 @@ from visitlab_cli.commands import (
 from visitlab_cli.commands import eval as eval_command
 from visitlab_cli.commands.options import NoColor
 from visitlab_cli.errors import Interrupted, NotFoundError, RunError, VisitlabError
-from visitlab_cli.stopping import ending_signals
+from visitlab_cli.stopping import end_at_once, interruptible, was_asked
 
 
 class _Program(typer.core.TyperGroup):
@@ -93,8 +92,18 @@ help.arrange(app)
 
 def main() -> None:
     """The program: every failure that a user can mend is a clear line and an exit code."""
-    for number in ending_signals():
-        signal.signal(number, signal.default_int_handler)
+    with interruptible():
+        try:
+            _run()
+        except (Exception, KeyboardInterrupt) as error:
+            if isinstance(error, Exception) and not was_asked():
+                raise
+            with contextlib.suppress(OSError):
+                sys.stdout.flush()
+            end_at_once()
+
+
+def _run() -> None:
     try:
         app(prog_name="visitlab")
     except VisitlabError as error:
@@ -102,9 +111,9 @@ def main() -> None:
     except SystemExit as error:
         if isinstance(error.__context__, BrokenPipeError):  # rich: the reader of what it printed left
             sys.exit(0)
+        if error.code == Interrupted.exit_code:  # typer: it has caught Ctrl-C, and said nothing
+            raise KeyboardInterrupt from None
         raise
-    except KeyboardInterrupt:
-        _end("interrupted", Interrupted.exit_code)
     except MemoryError as error:
         _end(f"not enough memory: {error}", RunError.exit_code)
     except OSError as error:

@@ -14,7 +14,7 @@ from visitlab_cli.execution.cells import Cell
 from visitlab_cli.execution.evaluation import record_evaluation
 from visitlab_cli.execution.progress import Progress
 from visitlab_cli.execution.workers import Workers
-from visitlab_cli.stopping import ending_signals
+from visitlab_cli.stopping import check_asked, ending_signals
 from visitlab_cli.storage.cell_folder import read_cell, remove_leftovers
 
 POLL_SECONDS = 0.1
@@ -41,6 +41,7 @@ def run_cells(run: Path, cells: Sequence[Cell], workers: int, progress: Progress
     missing = missing_cells(run, cells)
     if not missing:
         return {}
+    check_asked()
     pool = Workers(min(workers, len(missing)))
     with _signals(pool) as stopped, progress.over(missing):
         try:

@@ -15,6 +15,7 @@ from visitlab_cli.execution.build import Simulation, build
 from visitlab_cli.execution.cell_runner import simulate
 from visitlab_cli.execution.cells import Cell
 from visitlab_cli.random_numbers import random_state
+from visitlab_cli.stopping import check_asked, nothing_to_lose
 from visitlab_cli.world.columns import GO_TO_HUMAN, NAVIGATION, SOCIAL, VISIT, StepColumns
 from visitlab_cli.world.tasks import TASK_SIZES
 
@@ -25,6 +26,12 @@ def warm_up(cells: Sequence[Cell], say: Callable[[str], None]) -> None:
     """Compile or load the loop for every pair of task and agent among `cells`, telling the user by `say`."""
     if JIT_DISABLED:
         return
+    check_asked()
+    with nothing_to_lose():
+        _warm_up(cells, say)
+
+
+def _warm_up(cells: Sequence[Cell], say: Callable[[str], None]) -> None:
     folder = cache_folder()
     announced = False
     for name, cell in {_pair(cell): cell for cell in cells}.items():

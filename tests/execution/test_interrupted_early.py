@@ -1,0 +1,113 @@
+"""Ctrl-C before a cell runs: one line and exit code 130, also where Python would drop the exception."""
+
+import ctypes
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+from tests.program import TINY, start, visitlab
+from visitlab_cli import stopping
+
+NAVIGATION = "experiments={navigation: {task: navigation, agents: [mf], steps: 40}}"
+AT_IMPORT = """
+import signal, sys
+class Finder:
+    def find_spec(name, *_):
+        if name == {name!r}:
+            signal.raise_signal(signal.SIGINT)
+sys.meta_path.insert(0, Finder)
+from visitlab_cli.__main__ import main
+main()
+"""
+
+
+@pytest.mark.parametrize(
+    ("delay", "number"), [(0.3, signal.SIGINT), (1.0, signal.SIGTERM), (1.7, signal.SIGHUP), (2.4, signal.SIGINT)]
+)
+def test_while_the_compiler_is_at_work(tmp_path, delay, number):
+    program = start("run", TINY, "--out", tmp_path / "runs", env={"VISITLAB_CACHE": str(tmp_path / "cache")})
+    assert any("compiling" in line for line in program.stderr)
+    time.sleep(delay)
+    program.send_signal(number)
+    stdout, stderr = program.communicate(timeout=60)
+    assert (program.returncode, stdout, stderr) == (130, "", "interrupted\n")
+
+
+@pytest.mark.parametrize("name", ["typer", "visitlab_cli.commands.running", "visitlab_cli.execution.warm_up"])
+def test_while_the_program_is_imported(tmp_path, name):
+    arguments = ["train", TINY, NAVIGATION, "--out", tmp_path, "--quiet"]
+    command = [sys.executable, "-c", AT_IMPORT.format(name=name), *map(str, arguments)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "interrupted\n")
+
+
+@pytest.fixture
+def call_back():
+    """What calls a Python function through C, where exceptions are dropped."""
+    return ctypes.CFUNCTYPE(None)
+
+
+def test_an_interruption_that_was_dropped_comes_again(call_back):
+    handlers = [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGALRM)]
+    hook = sys.unraisablehook
+    with pytest.raises(KeyboardInterrupt), stopping.interruptible():
+        call_back(lambda: signal.raise_signal(signal.SIGINT))()
+        assert stopping.was_asked()
+        with pytest.raises(KeyboardInterrupt):
+            stopping.check_asked()
+        time.sleep(10)
+    assert [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGALRM)] == handlers
+    assert sys.unraisablehook is hook
+    with stopping.interruptible():
+        stopping.check_asked()
+
+
+def test_other_dropped_exceptions_are_told(call_back, capfd):
+    with stopping.interruptible():
+        call_back(lambda: 1 / 0)()
+        assert not stopping.was_asked()
+    assert "ZeroDivisionError" in capfd.readouterr().err
+
+
+def test_an_interruption_that_broke_the_command_is_no_bug(tmp_path):
+    program = (
+        "import ctypes, signal, sys\n"
+        "from visitlab_cli import cli\n"
+        "def broken(**_):\n"
+        "    ctypes.CFUNCTYPE(None)(lambda: signal.raise_signal(signal.SIGINT))()\n"
+        "    raise ValueError('object not compiled yet')\n"
+        "cli.app = broken\n"
+        "cli.main()\n"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (130, "interrupted\n")
+
+
+def test_a_run_that_lost_an_interruption_starts_no_cell(tmp_path):
+    program = (
+        "import sys\n"
+        "from visitlab_cli import cli, stopping\n"
+        "from visitlab_cli.execution import runner\n"
+        "before = runner.remove_leftovers\n"
+        "def lose(run):\n"
+        "    stopping._asked = True\n"
+        "    before(run)\n"
+        "runner.remove_leftovers = lose\n"
+        "cli.main()\n"
+    )
+    command = [sys.executable, "-c", program, "train", str(TINY), NAVIGATION, "--out", str(tmp_path), "-q"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (130, "interrupted\n")
+    assert not list(tmp_path.rglob("seed-*"))
+
+
+def test_interrupted_it_goes_on_with_the_same_command(tmp_path):
+    arguments = ["train", TINY, NAVIGATION, "--out", tmp_path / "runs", "-q"]
+    code = AT_IMPORT.format(name="visitlab_cli.execution.warm_up")
+    subprocess.run([sys.executable, "-c", code, *map(str, arguments)], capture_output=True, check=False)
+    assert os.listdir(tmp_path / "runs")
+    assert visitlab(*arguments).returncode == 0
