@@ -104,6 +104,35 @@ def test_a_damaged_cell_is_not_done_and_is_replaced(tmp_path, damage):
     assert read_cell(cell) is not None
 
 
+def test_files_of_the_users_stay_in_a_cell_that_is_replaced(tmp_path):
+    write(tmp_path)
+    cell = tmp_path / "a/b/seed-0000"
+    cut(cell / "model.npz")
+    (cell / "notes.txt").write_text("mine")
+    (cell / "plots").mkdir()
+    (cell / "plots" / "one.svg").write_text("mine, too")
+    (cell / "steps.mcap").write_text("of the damaged cell")
+    (cell / "cell.json").rename(cell / "cell.json.damaged")
+    write(tmp_path, text="again")
+    assert read_cell(cell) is not None
+    kept = {name: (cell / name).read_text() for name in ("model.npz", "notes.txt", "plots/one.svg")}
+    assert kept == {"model.npz": "again", "notes.txt": "mine", "plots/one.svg": "mine, too"}
+    assert sorted(os.listdir(cell)) == ["cell.json", "model.npz", "notes.txt", "plots", "timing.json"]
+    assert os.listdir(tmp_path) == ["a"]
+
+
+def test_a_cell_that_is_replaced_is_whole_at_the_end_only(tmp_path, monkeypatch):
+    write(tmp_path)
+    cell = tmp_path / "a/b/seed-0000"
+    cut(cell / "model.npz")
+    seen = []
+    replace = os.replace
+    monkeypatch.setattr(os, "replace", lambda *files: (seen.append(read_cell(cell)), replace(*files)))
+    write(tmp_path)
+    assert seen == [None] * 3
+    assert read_cell(cell) is not None
+
+
 def test_what_the_dead_left_is_removed_and_what_the_living_write_is_not(tmp_path):
     program = (
         "import os, pathlib, sys\n"

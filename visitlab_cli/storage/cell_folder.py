@@ -1,8 +1,9 @@
 """A cell's folder: it appears whole or not at all, and `cell.json`, written last, says that it is done.
 
-Files are written in a hidden folder beside the cells, flushed to the disk, and the folder is renamed to its
-place. While it is written its folder is locked, so that what a killed process left can be told from what another
-one is still writing.
+Files are written in a hidden folder beside the cells, flushed to the disk, and the folder is renamed to its place.
+In the place of a damaged cell its files are renamed one by one instead, `cell.json` last, for the user may keep
+files there. While it is written its folder is locked, so that what a killed process left can be told from what
+another one is still writing.
 """
 
 import fcntl
@@ -31,6 +32,10 @@ FACTS: dict[str, type | tuple[type, ...]] = {
 """What `cell.json` says beside `format` and `files`."""
 STEPS, TRIALS, MODEL, CELL, TIMING = "steps.mcap", "trials.parquet", "model.npz", "cell.json", "timing.json"
 TEMPORARY = ".tmp-"
+DAMAGED = ".damaged"
+"""How the name of a file ends that was set aside."""
+OF_CELLS = frozenset(name + ending for name in (STEPS, TRIALS, MODEL, CELL, TIMING) for ending in ("", DAMAGED))
+"""The files of a cell."""
 
 
 def one_line(error: OSError) -> str:
@@ -114,16 +119,24 @@ class NewCell:
         sync(self.folder)
         self.place.parent.mkdir(parents=True, exist_ok=True)
         try:
-            self._rename()
+            self.folder.rename(self.place)
         except OSError:
             if read_cell(self.place) is None:
-                shutil.rmtree(self.place)  # what is there is no finished cell
-                self._rename()
+                self._replace()
             # else another runner was first, with the same bytes
         sync(self.place.parent)
 
-    def _rename(self) -> None:
-        self.folder.rename(self.place)
+    def _replace(self) -> None:
+        """Take the place of what is no finished cell, file by file; what is not a cell's stays there."""
+        (self.place / CELL).unlink(missing_ok=True)
+        new = {file.name for file in self.folder.iterdir()}
+        for name in OF_CELLS - new:
+            (self.place / name).unlink(missing_ok=True)
+        for name in sorted(new - {CELL}):
+            os.replace(self.folder / name, self.place / name)
+        sync(self.place)
+        os.replace(self.folder / CELL, self.place / CELL)
+        sync(self.place)
 
 
 def read_cell(place: Path) -> dict[str, Any] | None:

@@ -7,13 +7,9 @@ import os
 import re
 from pathlib import Path
 
-from visitlab_cli.storage.cell_folder import CELL, MODEL, STEPS, TEMPORARY, TIMING, TRIALS
+from visitlab_cli.storage.cell_folder import DAMAGED, OF_CELLS, TEMPORARY
 
-DAMAGED = ".damaged"
-"""How the name of a file ends that `set_aside` took out of the way."""
 _SEED_FOLDER = re.compile(r"seed-\d+")
-OF_CELLS = frozenset(name + ending for name in (STEPS, TRIALS, MODEL, CELL, TIMING) for ending in ("", DAMAGED))
-"""The files of a cell."""
 
 
 def cell_folders(run: Path) -> list[Path]:

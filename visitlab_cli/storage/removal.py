@@ -11,8 +11,8 @@ from typing import NamedTuple
 
 from visitlab_cli.config.names import RESERVED_EXPERIMENTS
 from visitlab_cli.errors import NotFoundError, RunError, UsageError
-from visitlab_cli.storage.cell_folder import TEMPORARY, one_line, read_cell
-from visitlab_cli.storage.on_disk import DAMAGED, OF_CELLS, cell_folders, is_seed_folder, leftovers
+from visitlab_cli.storage.cell_folder import DAMAGED, OF_CELLS, TEMPORARY, one_line, read_cell
+from visitlab_cli.storage.on_disk import cell_folders, is_seed_folder, leftovers
 from visitlab_cli.storage.run_folder import CONFIG, VERSIONS
 
 YOUNG = 60.0
