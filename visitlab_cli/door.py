@@ -7,6 +7,8 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from visitlab_cli.analysis.evaluated import evaluated
 from visitlab_cli.analysis.summary import summaries
 from visitlab_cli.analysis.summary_groups import point_of
@@ -53,7 +55,14 @@ class LoadedCell:
         return read_steps(self.folder / STEPS, columns)
 
     def trial(self, number: int, columns: Sequence[str] | None = None) -> Columns:
-        """As `steps`, of one trial, from its step 0, the state that it starts in."""
+        """As `steps`, of one trial, from its step 0, the state that it starts in.
+
+        Raises:
+            UsageError: `number` is none.
+            NotFoundError: the trial is not recorded.
+        """
+        if not isinstance(number, int | np.integer):
+            raise UsageError(f"trial {number!r}: must be a number")
         return read_trial(self.folder / STEPS, number, columns)
 
 

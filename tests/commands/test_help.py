@@ -88,7 +88,11 @@ def folder(tmp_path_factory):
     folder = tmp_path_factory.mktemp("user")
     run = folder / "runs" / "quickstart-0123abcd"
     run.mkdir(parents=True)
-    (run / "config.yaml").write_text(dump_yaml(load("quickstart")))
+    (run / "config.yaml").write_text(dump_yaml(load("quickstart", ["vary={agents.mb.epsilon: [0.1]}"])))
+    older = folder / "runs" / "older-0123abcd"
+    older.mkdir()
+    (older / "config.yaml").write_text(dump_yaml(load("quickstart", ["humans.another={p_S: [1, 0, 0]}"])))
+    os.utime(older, (0, 0))
     (folder / "mine.yaml").touch()
     return folder
 
@@ -126,6 +130,13 @@ def completed(line, folder):
         ("visitlab eval quick", ["quickstart-0123abcd"]),
         ("visitlab eval latest --human hu", ["human_2"]),
         ("visitlab eval quickstart --human x", []),
+        ("visitlab eval runs/qui", ["runs/quickstart-0123abcd"]),
+        ("visitlab eval ru", []),
+        ("visitlab eval ./ru", ["./runs/"]),
+        ("visitlab compare latest --by a", ["agent", "agents.mb.epsilon"]),
+        ("visitlab export latest --table tr", ["trials"]),
+        ("visitlab steps latest --trial wo", ["worst"]),
+        ("visitlab figures latest --only fig6 --format p", ["png", "pdf"]),
     ],
 )
 def test_completion_loads_nothing_heavy(line, found, folder):

@@ -11,14 +11,12 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from visitlab_cli.analysis.summary_estimate import Estimate, mean_of
-from visitlab_cli.analysis.summary_groups import unit_of
+from visitlab_cli.analysis.summary_groups import unit_values
 from visitlab_cli.config.experiments import SocialTraining, Visit
 from visitlab_cli.config.model import Config
 from visitlab_cli.config.names import module
 from visitlab_cli.execution.cells import Cell, plan
 from visitlab_cli.execution.evaluation import AS_DECLARED, Evaluation
-from visitlab_cli.storage.arrays import read_trials
-from visitlab_cli.storage.cell_folder import TRIALS, read_cell
 
 FROZEN, ADAPTING = "frozen", "adapting"
 MODES = (FROZEN, ADAPTING)
@@ -125,17 +123,10 @@ def matrix_of(run: Path, planned: Mapping[Pairing, Sequence[Cell]]) -> Matrix:
     settings = some.settings
     assert isinstance(settings, Visit)
     social = module(settings.modules.social)
-    goals = {pairing: _goals(run, cells, pairing.mode) for pairing, cells in planned.items()}
+    goals = {pairing: _goals(run, cells) for pairing, cells in planned.items()}
     return Matrix(some.experiment, f"{social.experiment}/{social.agent}", settings.trials, goals)
 
 
-def _goals(run: Path, cells: Sequence[Cell], mode: str) -> Goals:
-    of_unit: dict[str, list[float]] = {}
-    for cell in cells:
-        facts = read_cell(run / cell.path)
-        if facts is not None:
-            whole = mode == FROZEN
-            value = read_trials(run / cell.path / TRIALS)["reward"].mean() if whole else facts["mean_reward_last_tenth"]
-            of_unit.setdefault(unit_of(cell), []).append(float(value))
-    values = [sum(each) / len(each) for each in of_unit.values()]
+def _goals(run: Path, cells: Sequence[Cell]) -> Goals:
+    values = list(unit_values(run, cells).values())
     return Goals(mean_of(values) if values else None, len(values), cells[0].group)

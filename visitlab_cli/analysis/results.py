@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from visitlab_cli.analysis.summary_groups import reached
 from visitlab_cli.config.model import Config
 from visitlab_cli.config.problems import or_else
 from visitlab_cli.errors import ConfigError
@@ -59,6 +60,8 @@ MEASURES = {
 
 def _values(run: Path, cells: Sequence[Cell], trials: Sequence[int] | None) -> tuple[str, list[float]]:
     """What is measured, and its value in each cell that is done; `trials` are the first and last, from 1."""
+    if cells[0].frozen and trials is None:
+        return "goals a trial, all trials", [value for cell in cells if (value := reached(run, cell)) is not None]
     key, measure = MEASURES[cells[0].task == VISIT]
     facts = {cell.path: found for cell in cells if (found := read_cell(run / cell.path)) is not None}
     if trials is None:

@@ -25,8 +25,8 @@ BATCHES = 100
 class Summary(NamedTuple):
     """A line of the table; what no finished cell tells is None.
 
-    `value` is the mean over independent seeds (`n` of them) of the last tenth of trials, `median` theirs.
-    `steps_to_level` is the median over cells of `steps_to`, for `level` of the value; None where half of the
+    `value` is the mean over independent seeds (`n` of them) of the last tenth of trials (frozen: of all), `median`
+    theirs. `steps_to_level` is the median over cells of `steps_to`, for `level` of the value; None where half of the
     cells or more never get there, or the value is not positive. `seconds` is the mean time of a cell.
     """
 
@@ -48,7 +48,7 @@ class Summary(NamedTuple):
             "human": self.group.human or None,
             "point": dict(self.group.point),
             "evaluation": self.group.evaluation.as_json() if self.group.evaluation.folder else None,
-            "measure": f"{self.group.measure}, last tenth",
+            "measure": f"{self.group.measure}, {self.group.part}",
             "cells_done": self.done,
             "cells": len(self.group.cells),
             "n": self.n,

@@ -11,7 +11,8 @@ from typing import NamedTuple
 from visitlab_cli.config.grid import value_in_words
 from visitlab_cli.execution.cells import Cell
 from visitlab_cli.execution.evaluation import Evaluation
-from visitlab_cli.storage.cell_folder import read_cell
+from visitlab_cli.storage.arrays import read_trials
+from visitlab_cli.storage.cell_folder import TRIALS, read_cell
 from visitlab_cli.world.columns import VISIT
 
 Point = tuple[tuple[str, str], ...]
@@ -38,6 +39,11 @@ class Group(NamedTuple):
         """What a trial's reward is."""
         return "goals a trial" if self.cells[0].task == VISIT else "reward a trial"
 
+    @property
+    def part(self) -> str:
+        """Which trials count."""
+        return "all trials" if self.evaluation.frozen else "last tenth"
+
 
 def groups_of(cells: Sequence[Cell]) -> list[Group]:
     """The groups in the order of their first cells."""
@@ -58,11 +64,24 @@ def unit_of(cell: Cell) -> str:
     return " ".join(cell.modules.values()) or cell.path
 
 
+def reached(run: Path, cell: Cell) -> float | None:
+    """Reward a trial in the last tenth of a cell; frozen, all its trials are alike and count. None where unfinished.
+
+    Raises:
+        RunError: a table of trials is damaged.
+    """
+    facts = read_cell(run / cell.path)
+    if facts is None:
+        return None
+    if cell.frozen:
+        return float(read_trials(run / cell.path / TRIALS)["reward"].mean())
+    return float(facts["mean_reward_last_tenth"])
+
+
 def unit_values(run: Path, cells: Sequence[Cell]) -> dict[str, float]:
-    """The mean of the last tenth of trials that each independent seed reached, by `unit_of`; finished cells only."""
+    """What each independent seed `reached`, by `unit_of`; finished cells only."""
     found: dict[str, list[float]] = {}
     for cell in cells:
-        facts = read_cell(run / cell.path)
-        if facts is not None:
-            found.setdefault(unit_of(cell), []).append(facts["mean_reward_last_tenth"])
+        if (value := reached(run, cell)) is not None:
+            found.setdefault(unit_of(cell), []).append(value)
     return {unit: sum(values) / len(values) for unit, values in found.items()}

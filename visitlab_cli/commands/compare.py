@@ -33,7 +33,11 @@ def command(
     ] = None,
     by: Annotated[
         str | None,
-        typer.Option(metavar="KEY", help="Compare agents, humans, or a setting that varies: agent, human, its path."),
+        typer.Option(
+            metavar="KEY",
+            help="Compare agents, humans, or a setting that varies: agent, human, its path.",
+            autocompletion=completion.varied,
+        ),
     ] = None,
     variant: Annotated[
         list[str] | None, typer.Option(help="Look for causes in this run, too; may be repeated.", metavar="RUN")

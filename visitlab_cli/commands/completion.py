@@ -4,13 +4,13 @@ A run's config.yaml is as `dump_yaml` writes it: its sections' names stand at th
 """
 
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import typer
 
 PACKAGE = Path(__file__).parent.parent
-LATEST = "latest"
+LATEST, CONFIG = "latest", "config.yaml"
 NAMED = re.compile(r"^name:", re.MULTILINE)
 ENTRY = re.compile(r"  ([A-Za-z0-9][A-Za-z0-9._-]*):")
 
@@ -41,7 +41,11 @@ def _may_hold_config(path: Path) -> bool:
 
 
 def runs(ctx: typer.Context, incomplete: str) -> list[str]:
-    """The runs in the folder of all runs, and `latest`."""
+    """The runs in the folder of all runs, `latest`, and folders once the word is a path."""
+    folder, slash, begun = incomplete.rpartition("/")
+    if slash:
+        found = [path for path in sorted(Path(f"{folder}/").glob(f"{begun}*")) if path.is_dir()]
+        return [f"{folder}/{path.name}{'' if (path / CONFIG).is_file() else '/'}" for path in found]
     return _beginning([run.name for run in _all_runs(ctx)] + [LATEST], incomplete)
 
 
@@ -60,16 +64,29 @@ def experiments(ctx: typer.Context, incomplete: str) -> list[str]:
     return _beginning(_declared(ctx, "experiments"), incomplete)
 
 
+def words(*known: str) -> Callable[[str], list[str]]:
+    """A completion that knows all words."""
+    return lambda incomplete: _beginning(list(known), incomplete)
+
+
+def varied(ctx: typer.Context, incomplete: str) -> list[str]:
+    """What a run's conditions are compared by: agent, human, the settings that vary."""
+    return _beginning(["agent", "human", *_declared(ctx, "vary")], incomplete)
+
+
 def _all_runs(ctx: typer.Context) -> list[Path]:
-    return sorted(file.parent for file in Path(ctx.params.get("out") or "runs").glob("*/config.yaml"))
+    return sorted(file.parent for file in Path(ctx.params.get("out") or "runs").glob(f"*/{CONFIG}"))
 
 
 def _declared(ctx: typer.Context, section: str) -> list[str]:
     word = str(ctx.params.get("run") or next(iter(ctx.args), ""))  # what an unfinished line leaves unparsed
-    fitting = [Path(word)] + [run for run in _all_runs(ctx) if word == LATEST or run.name.startswith(word)]
+    known = _all_runs(ctx)
+    if word == LATEST:
+        known.sort(key=lambda run: run.stat().st_mtime, reverse=True)
+    fitting = [Path(word), *(run for run in known if word == LATEST or run.name.startswith(word))]
     for run in fitting:
-        if word and (run / "config.yaml").is_file():
-            return list(_entries(run / "config.yaml", section))
+        if word and (run / CONFIG).is_file():
+            return list(_entries(run / CONFIG, section))
     return []
 
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from visitlab_cli.commands import completion
 from visitlab_cli.commands.options import RUNS, Agent, At, Experiment, Human, Json, Out, RunOrFile, Seed
 
 if TYPE_CHECKING:
@@ -20,7 +21,12 @@ def command(
     csv: Annotated[bool, typer.Option("--csv", help="A table of all finished cells that are chosen.")] = False,
     parquet: Annotated[bool, typer.Option("--parquet", help="The same as Parquet, which is small and fast.")] = False,
     table: Annotated[
-        str, typer.Option(metavar="CONTENT", help="What is in the table: trials, steps, models or results.")
+        str,
+        typer.Option(
+            metavar="CONTENT",
+            help="What is in the table: trials, steps, models or results.",
+            autocompletion=completion.words("trials", "steps", "models", "results"),
+        ),
     ] = "trials",
     experiment: Experiment = "",
     human: Human = "",

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from visitlab_cli.commands import completion
 from visitlab_cli.commands.options import RUNS, Json, Out, Run
 
 if TYPE_CHECKING:
@@ -15,9 +16,16 @@ if TYPE_CHECKING:
 def command(
     run: Run,
     only: Annotated[
-        list[str] | None, typer.Option(help="This figure alone: fig6, fig7, fig8 or fig9; may be repeated.")
+        list[str] | None,
+        typer.Option(
+            help="This figure alone: fig6, fig7, fig8 or fig9; may be repeated.",
+            autocompletion=completion.words("fig6", "fig7", "fig8", "fig9"),
+        ),
     ] = None,
-    kind: Annotated[str, typer.Option("--format", "-f", help="svg, png or pdf.")] = "svg",
+    kind: Annotated[
+        str,
+        typer.Option("--format", "-f", help="svg, png or pdf.", autocompletion=completion.words("svg", "png", "pdf")),
+    ] = "svg",
     out: Out = RUNS,
     as_json: Json = False,
 ) -> None:

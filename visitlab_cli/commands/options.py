@@ -58,7 +58,11 @@ At = Annotated[
 ]
 TrialWord = Annotated[
     str,
-    typer.Option(metavar="N|SELECTOR", help="Its number, or best, worst, median, longest-engagement of all that fit."),
+    typer.Option(
+        metavar="N|SELECTOR",
+        help="Its number; best, worst, median or longest-engagement of all that fit.",
+        autocompletion=completion.words("best", "worst", "median", "longest-engagement"),
+    ),
 ]
 Out = Annotated[Path, typer.Option("--out", help="The folder of all runs.")]
 Workers = Annotated[

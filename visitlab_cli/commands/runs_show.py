@@ -51,9 +51,10 @@ def _text(line: "RunLine", lines: "list[Summary]", level: float) -> str:
     age = age_in_words(time.time() - line.changed)
     seeds = f"{line.seeds} seed{'s' if line.seeds != 1 else ''}"
     head = f"{line.run}: {line.state}, {line.done} of {line.cells} cells, {seeds}"
+    frozen = " (frozen: of all)" if any(each.group.evaluation.frozen for each in lines) else ""
     notes = [
         "",
-        "Mean over n seeds of the last tenth of trials ± half its 95% interval (Student's t); their median.",
+        f"Mean over n seeds of the last tenth of trials{frozen} ± half its 95% interval (Student's t); their median.",
         f"To {level:.0%}: median steps until a hundredth of the trials first has {level:.0%} of the mean.",
     ]
     if line.done != line.cells:
