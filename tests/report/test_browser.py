@@ -38,6 +38,32 @@ COMPLAINTS = """
     addEventListener("unhandledrejection", (event) => complaints.push(String(event.reason)));
     addEventListener("securitypolicyviolation", (event) => complaints.push("policy: " + event.violatedDirective));
 """
+BROKEN_NUMBERS = """
+    (() => {
+      const broken = [], walker = document.createTreeWalker(document.querySelector("main"), NodeFilter.SHOW_TEXT);
+      for (let text = walker.nextNode(); text; text = walker.nextNode()) {
+        if (text.parentElement.closest("pre, svg, option, .unseen") || !text.parentElement.checkVisibility()) continue;
+        for (const number of text.data.matchAll(/[-+]?\\d[\\d.,]*/g)) {
+          const range = document.createRange();
+          range.setStart(text, number.index);
+          range.setEnd(text, number.index + number[0].length);
+          if (new Set([...range.getClientRects()].map((box) => Math.round(box.top))).size > 1) broken.push(number[0]);
+        }
+      }
+      return broken;
+    })()
+"""
+OVERLAPS = """
+    [...document.querySelectorAll(".numbers tbody tr")].flatMap((row) => {
+      const drawn = [...row.children].map((cell) => {
+        const range = document.createRange();
+        range.selectNodeContents(cell);
+        return range.getBoundingClientRect();
+      });
+      return drawn.flatMap((a, i) => drawn.slice(i + 1).filter((b) => a.left < b.right - 1 && b.left < a.right - 1
+        && a.top < b.bottom - 1 && b.top < a.bottom - 1).map(() => row.textContent));
+    })
+"""
 PHONE = {"viewport": {"width": 390, "height": 844}, "is_mobile": True, "has_touch": True}
 
 
@@ -219,6 +245,37 @@ def test_on_a_phone_nothing_is_wider_than_the_screen(shown, tiny_page):
     page.locator(".controls .main").tap()
     plays_to(page, 1)
     assert complaints(page) == []
+
+
+@pytest.mark.parametrize("width", [390, 800, 1280])
+def test_a_grid_of_long_names_can_be_read(shown, grid_page, width):
+    page = shown(grid_page, viewport={"width": width, "height": 900}, color_scheme="dark")
+    assert page.locator(".numbers tbody tr:not(.group)").count() > 50
+    assert page.evaluate("document.documentElement.scrollWidth") == width
+    assert page.evaluate(BROKEN_NUMBERS) == []
+    assert page.evaluate(OVERLAPS) == []
+    assert all(each.bounding_box()["height"] <= 240 for each in page.locator(".names").all())
+    page.locator(".plot").last.hover()
+    assert page.locator(".plot").last.locator(".tip > span").count() == 10
+    assert complaints(page) == []
+
+
+def test_what_the_human_sees_ends_at_the_lab(shown, tiny_run, tmp_path):
+    report = gather(tiny_run)
+    for name, value in (("human_row", 0), ("human_col", 12), ("human_heading", 2), ("robot_row", 20)):
+        columns = report.trials[0]["columns"]
+        columns[name] = [value] * len(columns[name])
+    file = tmp_path / "corner.html"
+    file.write_text(render(*report))
+    page = shown(file)
+    page.locator(".lab").scroll_into_view_if_needed()
+    under = """([x, y]) => {
+      const at = new DOMPoint(x, y).matrixTransform(document.querySelector(".lab").getScreenCTM());
+      return document.elementsFromPoint(at.x, at.y).map((node) => node.getAttribute("class"));
+    }"""
+    assert "sees" in page.evaluate(under, [13.5, 0.45])
+    assert "faces" not in page.evaluate(under, [12.5, -0.2])
+    assert "drawn up to 5 cells; sight goes on" in page.locator(".legend").text_content()
 
 
 def test_copy_takes_the_command(page):

@@ -10,7 +10,7 @@ from tests.report.parsed import Parsed
 from visitlab_cli.analysis.results import Result
 from visitlab_cli.config.loading import load_text
 from visitlab_cli.report.best_trial import best_trials
-from visitlab_cli.report.curves import charts_of, in_batches
+from visitlab_cli.report.curves import batch_edges, charts_of, in_batches
 from visitlab_cli.report.making import gather, make_report
 from visitlab_cli.report.page import render
 from visitlab_cli.storage.arrays import read_trials
@@ -147,14 +147,21 @@ def test_crossed_models_are_no_more_seeds(tmp_path):
     assert [curve.n for curve in chart.curves] == [2]
 
 
-def test_batches_keep_the_mean_of_all_trials():
-    rewards = np.arange(1000.0)
-    assert in_batches(rewards, 200).shape == (200,)
-    assert in_batches(rewards, 200).mean() == rewards.mean()
-    assert in_batches(rewards[:7], 200).tolist() == list(range(7))
-    uneven = in_batches(rewards[:7], 3)
-    assert len(uneven) == 3
-    assert (np.diff(uneven) > 0).all()
+@pytest.mark.parametrize(
+    ("trials", "points", "sizes"),
+    [(300, 30, {10}), (25_000, 100, {250}), (120, 15, {8}), (2_000, 100, {20}), (127, 15, {8, 9}), (7, 7, {1})],
+)
+def test_batches_are_few_and_equal_where_they_can_be(trials, points, sizes):
+    edges = batch_edges(trials, 100)
+    assert (edges[0], edges[-1], len(edges)) == (0, trials, points + 1)
+    assert set(np.diff(edges)) == sizes
+
+
+def test_the_last_batch_is_the_mean_of_the_last_trials():
+    rewards = np.arange(300.0)
+    batches = in_batches(rewards, batch_edges(300, 100))
+    assert batches.mean() == rewards.mean()
+    assert batches[-1] == rewards[-10:].mean()
 
 
 def test_a_large_grid_stays_small(tmp_path, monkeypatch):

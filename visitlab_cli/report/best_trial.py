@@ -1,6 +1,6 @@
 """The best recorded trial of each visit, as plain values that the page plays."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +9,7 @@ import numpy as np
 from visitlab_cli.analysis.summary_groups import Group
 from visitlab_cli.execution.cells import Cell
 from visitlab_cli.recording.reader import read_trial
+from visitlab_cli.report.names import BETWEEN, settings_of, short_paths
 from visitlab_cli.storage.arrays import read_trials
 from visitlab_cli.storage.cell_folder import STEPS, TRIALS, read_cell
 from visitlab_cli.story import GESTURES, Steps, captions, executed, moments
@@ -41,13 +42,14 @@ def best_trials(run: Path, groups: Sequence[Group]) -> list[dict[str, Any]]:
         RunError: a log or a table of trials is damaged.
     """
     found: list[dict[str, Any]] = []
+    short = short_paths(groups)
     for group in groups:
         if len(found) < MOST_TRIALS and group.cells[0].task == VISIT:
-            found += _best_of(run, group)
+            found += _best_of(run, group, short)
     return found
 
 
-def _best_of(run: Path, group: Group) -> list[dict[str, Any]]:
+def _best_of(run: Path, group: Group, short: Mapping[str, str]) -> list[dict[str, Any]]:
     """The earliest trial with the highest reward among the recorded ones of a group's finished cells."""
     best: tuple[float, int, Cell] | None = None
     for cell in group.cells:
@@ -61,14 +63,15 @@ def _best_of(run: Path, group: Group) -> list[dict[str, Any]]:
     if best is None:
         return []
     reward, number, cell = best
-    return [_plain(group, cell, number, reward, read_trial(run / cell.path / STEPS, number))]
+    name = BETWEEN.join((f"{group.experiment}/{group.human}", *settings_of(group, short)))
+    return [_plain(name, cell, number, reward, read_trial(run / cell.path / STEPS, number))]
 
 
-def _plain(group: Group, cell: Cell, number: int, reward: float, whole: Steps) -> dict[str, Any]:
+def _plain(name: str, cell: Cell, number: int, reward: float, whole: Steps) -> dict[str, Any]:
     steps = {name: values[: MOST_STEPS + 1] for name, values in whole.items()}
     said = [GESTURES.get(Action(int(action)), "") for action in executed(steps)]
     return {
-        "group": group.path,
+        "group": name,
         "cell": cell.path,
         "trial": number,
         "goals": reward,

@@ -1,19 +1,8 @@
 // A chart of learning curves: bands, lines, a reading at the pointer or the arrow keys, names that switch curves.
 
-const COLOURS = 8, MARGIN = { left: 40, right: 12, top: 10, bottom: 36 };
+const COLOURS = 8, MOST_TOLD = 10, MARGIN = { left: 40, right: 12, top: 10, bottom: 36 };
 const short = (value) =>
   value >= 1e6 ? `${+(value / 1e6).toFixed(2)}M` : value >= 1e4 ? `${+(value / 1e3).toFixed(1)}k` : value.toLocaleString("en");
-
-// A name has the colour that it had in an earlier chart, unless another of the chart has it already.
-const hues = new Map();
-function classesOf(names) {
-  const taken = new Set();
-  const free = () => { let hue = 0; while (taken.has(hue)) hue++; return hue; };
-  const take = (name, hue) => { taken.add(hue); hues.set(name, hue); };
-  for (const name of names) if (hues.has(name) && !taken.has(hues.get(name))) take(name, hues.get(name));
-  for (const name of names) if (!taken.has(hues.get(name))) take(name, free());
-  return names.map((name) => `colour-${hues.get(name) % COLOURS}${hues.get(name) >= COLOURS ? " dashed" : ""}`);
-}
 
 function ticks(low, high, wanted) {
   const rough = (high - low) / wanted, power = 10 ** Math.floor(Math.log10(rough));
@@ -29,13 +18,7 @@ class Chart {
     this.on = data.curves.map(() => true);
     this.end = Math.max(...data.curves.map((curve) => curve.end));
     this.at = null;
-    this.hues = classesOf(data.curves.map((curve) => curve.name));
-    const values = data.curves.flatMap((curve) =>
-      curve.mean.flatMap((mean, i) => (curve.half ? [mean - curve.half[i], mean + curve.half[i]] : [mean])));
-    const bounds = [data.optimum, data.random].filter((value) => value !== null);
-    const extent = (list, pick, first) => list.reduce((a, b) => pick(a, b), first);
-    this.low = extent([...values, ...bounds], Math.min, 0);
-    this.high = extent([...values, ...bounds], Math.max, 0) * (data.optimum === null ? 1.04 : 1.1) || 1;
+    this.hues = data.curves.map(({ hue }) => `colour-${hue % COLOURS}${hue >= COLOURS ? " dashed" : ""}`);
     this.plot = html("div", {
       class: "plot", tabindex: 0, role: "group",
       "aria-label": `${data.title}: ${data.y} over ${data.x}; arrow keys read the curves`,
@@ -47,15 +30,24 @@ class Chart {
     this.names = data.curves.map((curve, i) =>
       html("button", { type: "button", class: `name ${this.hues[i]}`, "aria-pressed": "true", onclick: (event) => this.toggle(i, event) },
         svg("svg", { width: 18, height: 8, "aria-hidden": "true" }, svg("line", { x1: 1, x2: 17, y1: 4, y2: 4, class: "curve" })),
-        curve.name));
+        breakable(curve.name)));
     this.all = button("All", () => this.show(this.on.map(() => true)), { hidden: "" });
     const seeds = [...new Set(data.curves.map((curve) => curve.n))].join(", ");
     figure.append(
-      html("figcaption", { id: `chart-${number}` }, html("h3", {}, data.title), html("small", {}, `${data.y}, n = ${seeds}`)),
+      html("figcaption", { id: `chart-${number}` }, html("h3", {}, breakable(data.title)), html("small", {}, `${data.y}, n = ${seeds}, a point is ${data.batch === "1" ? "a trial" : `${data.batch} trials`}`)),
       html("div", { class: "names", role: "group", "aria-label": `Curves of ${data.title}` }, ...this.names, this.all),
       this.plot, this.said);
     this.draw();
     new ResizeObserver(() => requestAnimationFrame(() => { if (this.plot.clientWidth !== this.width) this.draw(); })).observe(figure);
+  }
+
+  // From where to where y goes: all curves, their bands where these are drawn, zero and the exact values.
+  measure(banded) {
+    const { curves, optimum, random } = this.data;
+    const values = curves.flatMap(({ mean, half }) => (banded && half ? mean.flatMap((at, k) => [at - half[k], at + half[k]]) : mean));
+    const all = [...values, ...[optimum, random].filter((value) => value !== null), 0];
+    this.low = all.reduce((a, b) => Math.min(a, b));
+    this.high = all.reduce((a, b) => Math.max(a, b)) * (optimum === null ? 1.04 : 1.1) || 1;
   }
 
   x(value) { return MARGIN.left + (value / this.end) * (this.width - MARGIN.left - MARGIN.right); }
@@ -68,6 +60,8 @@ class Chart {
     this.width = this.plot.clientWidth;
     this.height = Math.round(Math.min(300, Math.max(220, this.width * 0.55)));
     const right = this.width - MARGIN.right, bottom = this.height - MARGIN.bottom;
+    const banded = this.on.filter(Boolean).length <= COLOURS;
+    this.measure(banded);
     this.cursor = svg("g", { class: "cursor" });
     this.picture = svg("svg", { viewBox: `0 0 ${this.width} ${this.height}`, width: this.width, height: this.height, "aria-hidden": "true" },
       ...ticks(this.low, this.high, 5).flatMap((value) => [
@@ -78,7 +72,7 @@ class Chart {
         svg("text", { x: this.x(value), y: bottom + 16, "text-anchor": value === 0 ? "start" : value > this.end * 0.95 ? "end" : "middle" }, short(value))),
       svg("text", { class: "unit", x: right, y: bottom + 31, "text-anchor": "end" }, this.data.x),
       ...this.bound(this.data.optimum, "best possible"), ...this.bound(this.data.random, "random"),
-      ...this.data.curves.map((curve, i) => (this.on[i] && curve.half ? this.band(curve, i) : null)).filter(Boolean),
+      ...this.data.curves.map((curve, i) => (this.on[i] && banded && curve.half ? this.band(curve, i) : null)).filter(Boolean),
       ...this.data.curves.map((curve, i) => (this.on[i] ? this.line(curve, i) : null)).filter(Boolean),
       this.cursor);
     this.plot.replaceChildren(this.picture, this.tip);
@@ -135,8 +129,9 @@ class Chart {
     this.cursor.append(svg("line", { x1: x, x2: x, y1: MARGIN.top, y2: this.height - MARGIN.bottom }),
       ...found.map(({ i, mean }) => svg("circle", { class: `spot ${this.hues[i]}`, cx: x, cy: this.y(mean), r: 4 })));
     this.tip.replaceChildren(html("b", {}, `${short(Math.round(found.length ? this.place(found[0].curve, found[0].k) : at))} ${this.data.x}`),
-      ...found.map(({ curve, i, k, mean }) => html("span", { class: this.hues[i] }, html("i"), `${curve.name} `,
-        html("b", {}, mean.toFixed(2) + (curve.half ? ` ± ${curve.half[k].toFixed(2)}` : "")))));
+      ...found.slice(0, MOST_TOLD).map(({ curve, i, k, mean }) => html("span", { class: this.hues[i] }, html("i"), breakable(`${curve.name} `),
+        html("b", {}, mean.toFixed(2) + (curve.half ? ` ± ${curve.half[k].toFixed(2)}` : "")))),
+      found.length > MOST_TOLD ? html("b", {}, `and ${found.length - MOST_TOLD} lower`) : "");
     const wide = this.tip.offsetWidth;
     this.tip.style.left = `${Math.max(0, x + wide + 14 < this.width ? x + 12 : x - wide - 12)}px`;
   }

@@ -1,4 +1,4 @@
-"""The learning curves of a run: a chart for each experiment with a curve for each group, thinned to be small."""
+"""The learning curves of a run: a chart for each experiment, one for visits alike, thinned to be small and readable."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -10,39 +10,56 @@ import numpy.typing as npt
 from visitlab_cli.analysis.exact_values import Possible, possible
 from visitlab_cli.analysis.summary_estimate import mean_of
 from visitlab_cli.analysis.summary_groups import Group, unit_of
+from visitlab_cli.config.experiments import Visit
 from visitlab_cli.execution.cells import Cell
+from visitlab_cli.report.hues import COLOURS, Hues
+from visitlab_cli.report.names import names_within, short_paths
 from visitlab_cli.storage.arrays import read_trials
 from visitlab_cli.storage.cell_folder import TRIALS, read_cell
 from visitlab_cli.world.columns import VISIT
 
-MOST_POINTS = 200
+MOST_POINTS = 100
 """Of a curve."""
 ALL_POINTS, FEWEST_POINTS = 40_000, 10
-"""Of a page: the curves of a large grid share so many, and each has at least so few."""
+"""Of a page: the curves of a large grid share so many, and each may have at least so few."""
+ENOUGH_TRIALS, ENOUGH_POINTS = 10, 15
+"""A point is the mean of so many trials, of fewer where a curve would have fewer points than these."""
 DIGITS = 3
 
 
 class Curve(NamedTuple):
-    """Mean reward a trial in equal batches of trials, and half its 95% interval (None for one seed).
+    """Mean reward a trial in batches of trials, and half its 95% interval (None for one seed).
 
-    `end` is where the last batch ends, in the chart's units; `n` counts independent seeds.
+    `end` is where the last batch ends, in the chart's units; `n` counts independent seeds; `batch` are the fewest and
+    the most trials of a batch.
     """
 
     name: str
+    hue: int
     end: int
     n: int
+    batch: tuple[int, int]
     mean: list[float]
     half: list[float] | None
 
 
 class Chart(NamedTuple):
-    """The curves of an experiment over `x`, trials or steps; `bounds` are the exact values where they are known."""
+    """Curves over `x`, trials or steps; `bounds` are the exact values where they are known."""
 
     title: str
     x: str
     y: str
     bounds: Possible | None
     curves: list[Curve]
+
+    @property
+    def batch(self) -> str:
+        """How many trials a point is the mean of: '10', '8 or 9', '2 to 10'."""
+        fewest = min(curve.batch[0] for curve in self.curves)
+        most = max(curve.batch[1] for curve in self.curves)
+        if fewest == most:
+            return str(most)
+        return f"{fewest} {'or' if most == fewest + 1 else 'to'} {most}"
 
     def as_json(self) -> dict[str, Any]:
         """The chart as plain values."""
@@ -51,6 +68,7 @@ class Chart(NamedTuple):
             "title": self.title,
             "x": self.x,
             "y": self.y,
+            "batch": self.batch,
             "optimum": None if bounds is None else round(bounds.optimum, DIGITS),
             "random": None if bounds is None else round(bounds.random, DIGITS),
             "curves": [curve._asdict() for curve in self.curves],
@@ -58,30 +76,43 @@ class Chart(NamedTuple):
 
 
 def charts_of(run: Path, groups: Sequence[Group]) -> list[Chart]:
-    """A chart for each experiment that has a finished cell.
+    """A chart for each experiment, or visits alike, of which a cell is finished.
 
     Raises:
         RunError: a table of trials is damaged.
     """
     points = max(FEWEST_POINTS, min(MOST_POINTS, ALL_POINTS // max(1, len(groups))))
-    by_experiment: dict[str, list[Group]] = {}
+    short, hues = short_paths(groups), Hues()
+    begun = [group for group in groups if _done(run, group)]
+    charts = []
+    for members in _together(begun):
+        names, colours = names_within(members, short), hues.of_chart(members)
+        curves = [
+            _curve(run, _done(run, group), name, hue, points)
+            for name, hue, group in zip(names, colours, members, strict=True)
+        ]
+        charts.append(_chart(members, curves))
+    return charts
+
+
+def _together(groups: Sequence[Group]) -> list[list[Group]]:
+    """The groups of each chart: of an experiment, or of visits as long, if their colours suffice."""
+    experiments: dict[str, list[Group]] = {}
     for group in groups:
-        by_experiment.setdefault(group.experiment, []).append(group)
-    charts = [_chart(run, name, members, points) for name, members in by_experiment.items()]
-    return [chart for chart in charts if chart.curves]
+        experiments.setdefault(group.experiment, []).append(group)
+    alike: dict[object, list[list[Group]]] = {}
+    for name, members in experiments.items():
+        lengths = frozenset((each.trials, each.trial_steps) for each in _visits(members))
+        alike.setdefault(lengths or name, []).append(members)
+    charts: list[list[Group]] = []
+    for several in alike.values():
+        as_one = [group for members in several for group in members]
+        charts += [as_one] if len(as_one) <= COLOURS else several
+    return charts
 
 
-def names_within(groups: Sequence[Group]) -> list[str]:
-    """What tells the groups of an experiment apart: agent, human or point of the grid, as far as they differ."""
-    parts = [
-        [group.agent, group.human, ", ".join(f"{path}={value}" for path, value in group.point)] for group in groups
-    ]
-    differs = [len({part[place] for part in parts}) > 1 for place in range(3)]
-    return [
-        " · ".join(word for word, wanted in zip(part, differs, strict=True) if word and wanted)
-        or " · ".join(filter(None, part))
-        for part in parts
-    ]
+def _visits(groups: Sequence[Group]) -> list[Visit]:
+    return [settings for group in groups if isinstance(settings := group.cells[0].settings, Visit)]
 
 
 def bounds_of(groups: Sequence[Group]) -> Possible | None:
@@ -91,32 +122,44 @@ def bounds_of(groups: Sequence[Group]) -> Possible | None:
     return found.pop() if len(found) == 1 else None
 
 
-def _chart(run: Path, title: str, groups: Sequence[Group], points: int) -> Chart:
-    visit = groups[0].cells[0].task == VISIT
-    curves = []
-    for name, group in zip(names_within(groups), groups, strict=True):
-        done = [cell for cell in group.cells if read_cell(run / cell.path) is not None]
-        if done:
-            curves.append(_curve(run, name, done, points, visit))
-    return Chart(title, "trials" if visit else "steps", groups[0].measure, bounds_of(groups), curves)
+def _chart(groups: Sequence[Group], curves: list[Curve]) -> Chart:
+    title = ", ".join(dict.fromkeys(group.experiment for group in groups))
+    x = "trials" if groups[0].cells[0].task == VISIT else "steps"
+    return Chart(title, x, groups[0].measure, bounds_of(groups), curves)
 
 
-def _curve(run: Path, name: str, cells: Sequence[Cell], points: int, visit: bool) -> Curve:
+def _done(run: Path, group: Group) -> list[Cell]:
+    return [cell for cell in group.cells if read_cell(run / cell.path) is not None]
+
+
+def _curve(run: Path, cells: Sequence[Cell], name: str, hue: int, points: int) -> Curve:
     of_unit: dict[str, list[npt.NDArray[np.float64]]] = {}
-    trials = 0
     for cell in cells:
         rewards = read_trials(run / cell.path / TRIALS)["reward"]
-        trials = len(rewards)
-        of_unit.setdefault(unit_of(cell), []).append(in_batches(rewards, points))
+        edges = batch_edges(len(rewards), points)
+        of_unit.setdefault(unit_of(cell), []).append(in_batches(rewards, edges))
     samples = np.array([np.mean(batches, axis=0) for batches in of_unit.values()])
     estimates = [mean_of(column.tolist()) for column in samples.T]
+    mean = [round(each.mean, DIGITS) for each in estimates]
     half = [round(each.half, DIGITS) for each in estimates] if len(samples) > 1 else None
-    end = trials if visit else trials * cells[0].settings.trial_steps
-    return Curve(name, end, len(samples), [round(each.mean, DIGITS) for each in estimates], half)
+    sizes = np.diff(edges)
+    end = int(edges[-1]) * (1 if cells[0].task == VISIT else cells[0].settings.trial_steps)
+    return Curve(name, hue, end, len(samples), (int(sizes.min()), int(sizes.max())), mean, half)
 
 
-def in_batches(rewards: npt.NDArray[np.float64], points: int) -> npt.NDArray[np.float64]:
-    """The means of `points` equal parts of the trials, of all trials where these are fewer."""
-    edges = np.linspace(0, len(rewards), min(points, len(rewards)) + 1).round().astype(int)
+def batch_edges(trials: int, most: int) -> npt.NDArray[np.int64]:
+    """Where batches of trials begin and where the last one ends: equal ones if any are, else one trial apart.
+
+    Args:
+        trials: at least 1.
+        most: batches.
+    """
+    size = max(-(-trials // most), min(ENOUGH_TRIALS, trials // ENOUGH_POINTS), 1)
+    size = next((larger for larger in range(size, 2 * size) if trials % larger == 0), size)
+    return np.linspace(0, trials, max(1, trials // size) + 1).round().astype(np.int64)
+
+
+def in_batches(rewards: npt.NDArray[np.float64], edges: npt.NDArray[np.int64]) -> npt.NDArray[np.float64]:
+    """The mean of each batch."""
     means: npt.NDArray[np.float64] = np.add.reduceat(rewards, edges[:-1]) / np.diff(edges)
     return means

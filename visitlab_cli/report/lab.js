@@ -1,6 +1,6 @@
 // The lab from above, drawn for any moment between two steps of a trial; x eastwards, y southwards, in cells.
 
-const TRAIL = 14, TURN = -45;
+const TRAIL = 14, TURN = -45, SIGHT_SHOWN = 5;
 const between = (from, to, share) => from + (to - from) * share;
 const place = (value) => value + 0.5;
 
@@ -25,7 +25,7 @@ class Lab {
       svg("text", { class: "room", x: (i % (size / room)) * room + 0.45, y: Math.floor(i / (size / room)) * room + 1.05 }, name));
     this.trails = { robot: svg("polyline", { class: "trail robot" }), human: svg("polyline", { class: "trail human" }) };
     this.desired = svg("path", { class: "desired", d: "M1.1,0 H2.5 M2.05,-0.4 L2.6,0 L2.05,0.4" });
-    this.sight = svg("g", {}, svg("path", { class: "sees", d: sector(5, 90) }), svg("path", { class: "faces", d: sector(5, 45) }));
+    this.sight = svg("g", {}, svg("path", { class: "sees", d: sector(SIGHT_SHOWN, 90) }), svg("path", { class: "faces", d: sector(SIGHT_SHOWN, 45) }));
     const nose = () => svg("path", { class: "nose", d: "M0.3,-0.45 L0.98,0 L0.3,0.45 Z" });
     this.human = svg("g", { class: "human" }, nose(), svg("circle", { r: 0.62 }));
     this.robot = svg("g", { class: "robot" }, nose(), svg("rect", { x: -0.58, y: -0.58, width: 1.16, height: 1.16, rx: 0.25 }));
@@ -33,7 +33,7 @@ class Lab {
     this.bubble = svg("g", { class: "bubble" }, svg("path", { d: "M-2,-2.5 H2 Q2.3,-2.5 2.3,-2.2 V-1.4 Q2.3,-1.1 2,-1.1 H0.4 L0,-0.65 L-0.1,-1.1 H-2 Q-2.3,-1.1 -2.3,-1.4 V-2.2 Q-2.3,-2.5 -2,-2.5 Z" }), this.words);
     this.node = svg("svg", { class: "lab", viewBox: `-0.3 -0.3 ${size + 0.6} ${size + 0.6}`, role: "img", "aria-label": "The lab from above" },
       svg("rect", { class: "floor", width: size, height: size }), this.goal, this.reached, ...lines, ...this.names,
-      this.flag, this.sight, this.trails.human, this.trails.robot, this.desired, this.human, this.robot, this.bubble);
+      this.flag, svg("svg", { class: "within", width: size, height: size }, this.sight), this.trails.human, this.trails.robot, this.desired, this.human, this.robot, this.bubble);
   }
 
   // Draw the trial at `time`: step floor(time), on its way to the next.

@@ -19,6 +19,9 @@ const html = (name, attributes = {}, ...children) => fill(document.createElement
 const svg = (name, attributes = {}, ...children) =>
   fill(document.createElementNS("http://www.w3.org/2000/svg", name), attributes, children);
 
+// A long name may go on in the next line behind a word of it; as names.py does.
+const breakable = (text) => html("span", {}, ...text.split(/(?<=[^\W_]{3}[_./=-])(?=[^\W\d])/).flatMap((part, i) => (i ? [html("wbr"), part] : [part])));
+
 function button(words, pressed, attributes = {}) {
   return html("button", { type: "button", class: "quiet", onclick: pressed, ...attributes }, words);
 }

@@ -38,7 +38,8 @@ class Player {
       return html("li", {}, mark, words);
     };
     return html("ul", { class: "legend", "aria-label": "Colours" },
-      seen("robot", "square", STORY.colours.robot), seen("human, and what it sees and faces", "round", STORY.colours.human),
+      seen("robot", "square", STORY.colours.robot), seen("human", "round", STORY.colours.human),
+      seen(`what it sees and, greener, faces (drawn up to ${SIGHT_SHOWN} cells; sight goes on)`, "sight"),
       seen("goal room", "square", STORY.colours.goal), seen("where the human should go", "square", STORY.colours.desired),
       ...STORY.levels.map(([name, colour]) => seen(name, "level", colour)));
   }
@@ -50,7 +51,8 @@ class Player {
     this.last = shown;
     this.slider.max = shown;
     const cut = shown < steps ? `; its first ${shown.toLocaleString("en")} of ${steps.toLocaleString("en")} steps` : "";
-    this.about.textContent = `${this.trial.cell}, trial ${this.trial.trial}: ${this.trial.goals} goals in ${steps.toLocaleString("en")} steps${cut}.`;
+    this.about.replaceChildren(
+      breakable(`${this.trial.cell}, trial ${this.trial.trial}: ${this.trial.goals} goals in ${steps.toLocaleString("en")} steps${cut}.`));
     this.line.setAttribute("viewBox", `0 0 ${shown + 1} 10`);
     this.line.replaceChildren(
       ...columns.interaction_level.map((level, i) => svg("rect", { x: i, y: 0, width: 1.05, height: 7, fill: STORY.levels[level][1] })),

@@ -1,12 +1,13 @@
 """The table of results: a line for each group of cells, with a picture of its mean and interval."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from visitlab_cli.analysis.results import Result
 from visitlab_cli.analysis.summary import LEVEL, Summary
 from visitlab_cli.report.facts import Facts
 from visitlab_cli.report.markup import Html, element
+from visitlab_cli.report.names import BETWEEN, breakable, settings_of, short_paths
 from visitlab_cli.report.sections import section
 
 WIDTH, HEIGHT, EDGE = 140, 16, 4
@@ -21,25 +22,27 @@ UNKNOWN = "–"
 def results(facts: Facts, title: str) -> Html:
     """The results of a run."""
     lines = [*facts.summaries, *facts.evaluated]
-    varied = any(line.group.point for line in lines)
-    heads = ["Agent", "Human", *(["At"] if varied else []), "Mean", "95% interval", "Median", "n"]
-    heads += [f"Steps to {LEVEL:.0%}", *(["Config expects"] if facts.expected else [])]
+    short = short_paths(line.group for line in lines)
+    heads = ["Agent" + BETWEEN + "human", "Mean", "95% interval", "Median", "n", f"Steps to {LEVEL:.0%}"]
+    heads += ["Config expects"] if facts.expected else []
     bodies = []
     for name in dict.fromkeys(_title(line) for line in lines):
         members = [line for line in lines if _title(line) == name]
         title_row = element(
             "tr",
-            element("th", name, element("small", members[0].group.measure), scope="rowgroup", colspan=len(heads)),
+            element(
+                "th", breakable(name), element("small", members[0].group.measure), scope="rowgroup", colspan=len(heads)
+            ),
             class_="group",
         )
         scale = _scale(members)
-        rows = [_row(line, heads, scale, varied, facts.expected.get(line.group.path)) for line in members]
+        rows = [_row(line, heads, scale, short, facts.expected.get(line.group.path)) for line in members]
         bodies.append(element("tbody", title_row, *rows))
     table = element(
         "table",
         element("thead", element("tr", *(element("th", text, scope="col") for text in heads))),
         *bodies,
-        class_="stacked numbers",
+        class_="numbers",
     )
     return section("results", title, element("p", NOTE, class_="note"), table)
 
@@ -50,32 +53,42 @@ def _title(line: Summary) -> str:
 
 
 def _row(
-    line: Summary, heads: Sequence[str], scale: tuple[float, float], varied: bool, expected: Result | None
+    line: Summary,
+    heads: Sequence[str],
+    scale: tuple[float, float],
+    short: Mapping[str, str],
+    expected: Result | None,
 ) -> Html:
     group = line.group
-    short = line.done < len(group.cells)
-    n = f"{line.n}" + (f" ({line.done} of {len(group.cells)} cells)" if short else "")
+    incomplete = line.done < len(group.cells)
+    n = f"{line.n}" + (f" ({line.done} of {len(group.cells)} cells)" if incomplete else "")
     steps = UNKNOWN if line.steps_to_level is None else f"{line.steps_to_level:,.0f}"
     cells: list[str] = [
-        group.agent,
-        group.human or UNKNOWN,
-        *([", ".join(f"{path}={value}" for path, value in group.point) or UNKNOWN] if varied else []),
         element("b", _mean(line)),
         _picture(line, scale),
-        UNKNOWN if line.median is None else f"{line.median:.2f}",
+        UNKNOWN if line.median is None else f"{line.median:z.2f}",
         n,
         steps,
     ]
-    if len(heads) > len(cells):
+    if len(heads) > 1 + len(cells):
         cells.append(_expectation(expected))
-    return element("tr", *(element("td", cell, data_label=head) for head, cell in zip(heads, cells, strict=True)))
+    measured = [element("td", cell, data_label=head) for head, cell in zip(heads[1:], cells, strict=True)]
+    return element("tr", _condition(line, short), *measured)
+
+
+def _condition(line: Summary, short: Mapping[str, str]) -> Html:
+    """Who was it, and at which varied settings."""
+    group = line.group
+    who = breakable(BETWEEN.join(filter(None, (group.agent, group.human))))
+    settings = [element("span", breakable(each)) for each in settings_of(group, short)]
+    return element("th", who, element("small", *settings, class_="settings") if settings else None, scope="row")
 
 
 def _mean(line: Summary) -> str:
     if line.value is None:
         return "not run yet"
     half = "" if math.isnan(line.value.half) else f" ± {line.value.half:.2f}"
-    return f"{line.value.mean:.2f}{half}"
+    return f"{line.value.mean:z.2f}{half}"
 
 
 def _expectation(expected: Result | None) -> str:
@@ -112,7 +125,7 @@ def _picture(line: Summary, scale: tuple[float, float]) -> Html:
 
     known = not math.isnan(half)
     middle = HEIGHT // 2
-    words = f"{mean - half:.2f} to {mean + half:.2f}" if known else "one seed: no interval"
+    words = f"{mean - half:z.2f} to {mean + half:z.2f}" if known else "one seed: no interval"
     bar = element("line", x1=x(mean - half), x2=x(mean + half), y1=middle, y2=middle, class_="interval")
     picture = element(
         "svg",

@@ -5,10 +5,13 @@ from typing import Any
 
 from visitlab_cli.config.canonical import dump_yaml
 from visitlab_cli.config.experiments import Experiment, Visit
+from visitlab_cli.config.grid import value_in_words
 from visitlab_cli.config.model import Config
 from visitlab_cli.report.curves import Chart
 from visitlab_cli.report.facts import Facts, counted
+from visitlab_cli.report.hues import COLOURS
 from visitlab_cli.report.markup import Html, element
+from visitlab_cli.report.names import breakable
 from visitlab_cli.world.columns import GO_TO_HUMAN, NAVIGATION, SOCIAL, VISIT
 
 TASKS = {
@@ -77,7 +80,7 @@ def _experiment(facts: Facts, name: str, settings: Experiment) -> Html:
     cells = f"{sum(line.done for line in lines):,} of {sum(len(line.group.cells) for line in lines):,}"
     return element(
         "tr",
-        element("th", name, element("small", TASKS[settings.task]), scope="row"),
+        element("th", breakable(name), element("small", TASKS[settings.task]), scope="row"),
         element("td", *_listed(agents), data_label="Modules" if isinstance(settings, Visit) else "Agents"),
         element("td", *_listed(humans or ["none"]), data_label="Humans"),
         element("td", length, data_label="Length"),
@@ -91,14 +94,14 @@ def _agent(config: Config, name: str) -> str:
 
 
 def _listed(words: Sequence[str]) -> list[Html]:
-    return [element("span", word, class_="word") for word in words]
+    return [element("span", breakable(word), class_="word") for word in words]
 
 
 def _grid(config: Config) -> Html | None:
     """What varies over the grid, if anything does."""
     if not config.vary:
         return None
-    varied = [f"{path}: {', '.join(map(str, values))}" for path, values in config.vary.items()]
+    varied = [f"{path}: {', '.join(map(value_in_words, values))}" for path, values in config.vary.items()]
     return element("p", "Varied: ", *_listed(varied))
 
 
@@ -107,9 +110,10 @@ def charts(curves: Sequence[Chart], title: str) -> Html:
     if not curves:
         return section("curves", title, element("p", "No cell is finished yet.", class_="note"))
     note = (
-        "Mean reward a trial in equal batches of trials; bands are 95% intervals of the mean over seeds (Student's t). "
-        "Press a name to switch it off and on, with Shift to see it alone. Point at a chart, or focus it and use the "
-        "arrow keys, to read it."
+        "Mean reward a trial; above each chart stands how many trials a point is the mean of. Bands, drawn for up to "
+        f"{COLOURS} curves, are 95% intervals of the mean over seeds (Student's t). Visits of the same length share a "
+        f"chart where it has no more than {COLOURS} curves. Press a name to switch it off and on, with Shift to see it alone. Point at a chart, or focus it and "
+        "use the arrow keys, to read it."
     )
     frames = [
         element("figure", element("noscript", WITHOUT_SCRIPT), class_="chart", data_chart=number)
