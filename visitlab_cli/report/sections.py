@@ -112,8 +112,8 @@ def charts(curves: Sequence[Chart], title: str) -> Html:
     note = (
         "Mean reward a trial; above each chart stands how many trials a point is the mean of. Bands, drawn for up to "
         f"{COLOURS} curves, are 95% intervals of the mean over seeds (Student's t). Visits of the same length share a "
-        f"chart where it has no more than {COLOURS} curves. Press a name to switch it off and on, with Shift to see it alone. Point at a chart, or focus it and "
-        "use the arrow keys, to read it."
+        f"chart where it has no more than {COLOURS} curves. Press a name to switch it off and on, with Shift to see it "
+        "alone. Point at a chart, or focus it and use the arrow keys, to read it."
     )
     frames = [
         element("figure", element("noscript", WITHOUT_SCRIPT), class_="chart", data_chart=number)
