@@ -8,6 +8,9 @@ from pathlib import Path
 
 from visitlab_cli.errors import RunError, UsageError
 
+SIGNATURE = 4
+"""So many bytes tell a picture's or a recording's format."""
+
 
 @contextlib.contextmanager
 def whole_file(path: Path) -> Iterator[Path]:
@@ -49,3 +52,20 @@ def write_whole(path: Path, content: bytes) -> None:
     """
     with whole_file(path) as beside:
         beside.write_bytes(content)
+
+
+def write_again(path: Path, content: bytes) -> None:
+    """Write a file whole, in the place of nothing but another of its kind: one that begins with the same bytes.
+
+    Raises:
+        UsageError: `path` is there and something else.
+        RunError: it can't be written.
+    """
+    try:
+        with path.open("rb") as there:
+            beginning = there.read(SIGNATURE)
+    except OSError:
+        beginning = b""  # nothing is there, or writing tells what is wrong
+    if beginning and beginning != content[:SIGNATURE]:
+        raise UsageError(f"{path}: exists and is no {path.suffix} file of ours; choose another file")
+    write_whole(path, content)

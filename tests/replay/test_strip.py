@@ -39,6 +39,31 @@ def test_a_panel_for_each_moment(trial_of, task):
         assert ", ".join(kind for at, kind in moments(trial.steps) if at == step) in drawn
 
 
+def test_only_a_strip_is_replaced(trial_of, tmp_path):
+    pytest.importorskip("matplotlib")
+    strip = tmp_path / "strip.svg"
+    save_strip(trial_of("visit"), strip)
+    save_strip(trial_of("social"), strip)
+    strip.write_text("name: mine")
+    with pytest.raises(UsageError) as error:
+        save_strip(trial_of("visit"), strip)
+    assert str(error.value) == f"{strip}: exists and is no .svg file of ours; choose another file"
+    assert strip.read_text() == "name: mine"
+
+
+@pytest.mark.parametrize("task", ["social", "visit"])
+def test_what_the_human_sees_stays_in_the_panel(trial_of, task):
+    pytest.importorskip("matplotlib")
+    trial = trial_of(task)
+    figure = draw_strip(trial, strip_steps(trial.steps))
+    figure.canvas.draw()
+    for axes in [axes for axes in figure.axes if axes.axison]:
+        (field,) = axes.images
+        clipped, inside = field.get_clip_box(), axes.bbox.padded(1)
+        assert inside.x0 <= clipped.x0 < clipped.x1 <= inside.x1
+        assert inside.y0 <= clipped.y0 < clipped.y1 <= inside.y1
+
+
 def test_another_ending(trial_of, tmp_path):
     with pytest.raises(UsageError) as error:
         save_strip(trial_of("visit"), tmp_path / "strip.gif")

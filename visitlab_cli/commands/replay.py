@@ -62,11 +62,11 @@ def command(
     else:
         from visitlab_cli.replay.recording import record
         from visitlab_cli.replay.viewer import serve, show
-        from visitlab_cli.whole_file import write_whole
+        from visitlab_cli.whole_file import write_again
 
         content = record(chosen)
         if save is not None:
-            write_whole(save, content)
+            write_again(save, content)
         elif web:
             serve(content, lambda address: typer.echo(f"{address}\nCtrl-C ends it."))
         else:

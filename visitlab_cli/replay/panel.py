@@ -7,6 +7,7 @@ import numpy.typing as npt
 
 from visitlab_cli.replay.actors import REACH, fields_around
 from visitlab_cli.replay.away import LENGTH, sign_of
+from visitlab_cli.replay.blueprint import view_of
 from visitlab_cli.replay.lab import FACES, GOAL_FLOOR, REACHED_FLOOR, SEES
 from visitlab_cli.replay.trial import Trial
 from visitlab_cli.story import (
@@ -95,17 +96,18 @@ def _field(axes: "Axes", trial: Trial, step: int) -> None:
     image[..., 3] = np.where(seen > 0, np.where(near, NEAR_ALPHA, ELSEWHERE_ALPHA), 0)
     x, y = trial.places("human")[step]
     half = REACH + 0.5
-    low, high = 0, trial.size
     shown = axes.imshow(image, extent=(x - half, x + half, y + half, y - half), interpolation="nearest", zorder=1)
-    world: Any = _rectangle(low, high)
-    axes.add_patch(world)
-    shown.set_clip_path(world)
+    seen_world = [(max(low, 0), min(high, trial.size)) for low, high in view_of(trial)]
+    frame: Any = _rectangle(*seen_world)
+    axes.add_patch(frame)
+    shown.set_clip_path(frame)
 
 
-def _rectangle(low: float, high: float) -> Any:
+def _rectangle(x_range: tuple[float, float], y_range: tuple[float, float]) -> Any:
     from matplotlib.patches import Rectangle
 
-    return Rectangle((low, low), high - low, high - low, fill=False, linewidth=0)
+    (left, right), (top, bottom) = x_range, y_range
+    return Rectangle((left, top), right - left, bottom - top, fill=False, linewidth=0)
 
 
 def _before(axes: "Axes", trial: Trial, step: int, who: str, colour: Colour) -> None:

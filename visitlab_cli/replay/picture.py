@@ -11,7 +11,7 @@ from visitlab_cli.replay.recording import record
 from visitlab_cli.replay.stage import TIMELINE
 from visitlab_cli.replay.trial import Trial
 from visitlab_cli.replay.viewer import recording_file, wait_until
-from visitlab_cli.whole_file import write_whole
+from visitlab_cli.whole_file import write_again
 
 WIDTH, HEIGHT = 1600, 1000
 DRIVER_VARIABLE = "VK_DRIVER_FILES"
@@ -57,7 +57,7 @@ def save_picture(trial: Trial, step: int, target: Path) -> None:
             raise RunError(
                 f"the viewer drew no picture: {''.join(line) or type(error).__name__}; {NO_DRIVER}"
             ) from error
-        write_whole(target, picture.read_bytes())
+        write_again(target, picture.read_bytes())
 
 
 def _take(port: int, recording: Path, step: int, picture: Path) -> None:

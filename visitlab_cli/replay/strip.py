@@ -22,7 +22,7 @@ from visitlab_cli.story import (
     moments,
     strip_steps,
 )
-from visitlab_cli.whole_file import write_whole
+from visitlab_cli.whole_file import write_again
 from visitlab_cli.world.columns import VISIT
 
 if TYPE_CHECKING:
@@ -59,7 +59,7 @@ def save_strip(trial: Trial, target: Path) -> None:
         draw_strip(trial, strip_steps(trial.steps)).savefig(
             content, format=ending[1:], dpi=PIXELS_PER_INCH, metadata=FORMATS[ending]
         )
-    write_whole(target, content.getvalue())
+    write_again(target, content.getvalue())
 
 
 def draw_strip(trial: Trial, steps: Sequence[int]) -> "Figure":
@@ -104,7 +104,7 @@ def _key(trial: Trial) -> list[Any]:
     if trial.has_human:
         handles += [
             Line2D([], [], marker="o", color=panel.rgb(HUMAN), label="human", **body),
-            Patch(facecolor=panel.rgb(VISUAL_FIELD), alpha=panel.NEAR_ALPHA, label="the human sees"),
+            Patch(facecolor=panel.rgb(VISUAL_FIELD), alpha=panel.NEAR_ALPHA, label="the human sees (and farther)"),
             Patch(facecolor=panel.rgb(FACING_FIELD), alpha=panel.NEAR_ALPHA, label="it faces"),
         ]
     if trial.has_engagement:
