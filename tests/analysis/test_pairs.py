@@ -103,7 +103,7 @@ def with_another_visit(tmp_path, trials=20, social="social/mf/slow"):
 
 def test_visits_whose_social_agents_differ_are_compared(tmp_path):
     (pair,) = compare_by(*with_another_visit(tmp_path), "agent").pairs
-    assert (pair.where, pair.first.name, pair.second.name) == ("visit slow / visit_mf slow", "mb", "mf")
+    assert (pair.where, pair.first.name, pair.second.name) == ("visit/visit_mf slow", "mb", "mf")
     assert (pair.paired, pair.difference.mean, pair.measure) == (False, 2.0, "goals a trial")
 
 

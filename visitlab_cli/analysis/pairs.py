@@ -104,7 +104,8 @@ def compare_by(run: Path, cells: Sequence[Cell], key: str) -> Compared:
     pairs, paired = [], set()
     for first, second in combinations(members, 2):
         if first.alike == second.alike and first.value != second.value:
-            where = " / ".join(dict.fromkeys((first.where, second.where)))
+            experiments = dict.fromkeys((first.group.experiment, second.group.experiment))
+            where = " ".join(filter(None, ("/".join(experiments), first.where)))
             sides = (first.name, first.reached), (second.name, second.reached)
             pairs.append(_pair(where, first.group.measure, *sides, same_luck=True))
             paired |= {first.group.path, second.group.path}
@@ -148,7 +149,7 @@ def _member(run: Path, group: Group, key: str) -> _Member | None:
     if not (key == AGENT or _chooses_social(key, group)):
         rest.insert(0, group.agent)
     rest = [*filter(None, rest), *(f"{path}={point[path]}" for path in point)]
-    where = " ".join([group.experiment, *rest])
+    where = " ".join(rest)
     settings = group.cells[0].settings
     if key == AGENT and isinstance(settings, Visit):
         anyone = module(settings.modules.social)._replace(agent="*")
