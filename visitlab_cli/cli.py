@@ -1,12 +1,10 @@
 """The command line: one file a command in `commands/`; nothing heavy is imported before a command runs."""
 
 import contextlib
-import os
 import sys
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
-import typer.core
 
 from visitlab_cli import __version__
 from visitlab_cli.commands import (
@@ -30,22 +28,12 @@ from visitlab_cli.commands import (
 )
 from visitlab_cli.commands import eval as eval_command
 from visitlab_cli.commands.options import NoColor
+from visitlab_cli.commands.program import Program
 from visitlab_cli.errors import Interrupted, NotFoundError, RunError, VisitlabError
 from visitlab_cli.stopping import end_at_once, interruptible, was_asked
 
-
-class _Program(typer.core.TyperGroup):
-    def invoke(self, ctx: Any) -> Any:
-        """Run a command; a reader that left early, as `head` does, is no failure."""
-        try:
-            return super().invoke(ctx)
-        except BrokenPipeError:
-            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # for what is flushed at the end
-            raise typer.Exit from None
-
-
 app = typer.Typer(
-    cls=_Program,
+    cls=Program,
     help="Run, record and replay the 'visit the lab' task: a robot wins a human's attention and leads it "
     "through goal rooms.",
     no_args_is_help=True,

@@ -75,6 +75,29 @@ def test_no_arguments_show_the_help():
     assert "visitlab [OPTIONS] COMMAND" in done.stdout + done.stderr
 
 
+@pytest.mark.parametrize(
+    ("words", "line"),
+    [
+        ("list", "visitlab: no such command 'list'; did you mean 'runs list'?; see visitlab --help"),
+        ("runs shw x", "visitlab runs: no such command 'shw'. Did you mean 'show'?; see visitlab runs --help"),
+        ("run", "visitlab run: missing argument 'CONFIG'; see visitlab run --help"),
+        ("train x -w two", "visitlab train: invalid value for '--workers' / '-w': must be a whole number; see "),
+        ("runs show x --lvel 1", "visitlab runs show: no such option: --lvel (Possible options: "),
+        ("--colour", "visitlab: no such option: --colour"),
+    ],
+)
+def test_wrong_usage_is_one_line(words, line):
+    done = visitlab(*words.split())
+    assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1)
+    assert done.stderr.startswith(line)
+
+
+def test_no_color_stands_anywhere(tmp_path):
+    for words in (("--no-color", "runs", "list"), ("runs", "list", "--no-color"), ("runs", "--no-color", "list")):
+        assert visitlab(*words, "--out", tmp_path).returncode == 0
+    assert visitlab("runs", "list", "--out", tmp_path, "--", "--no-color").returncode == 2
+
+
 @pytest.mark.parametrize(("word", "meant"), [("runn", "run"), ("valdate", "validate"), ("inti", "init")])
 def test_near_misses_of_commands_are_suggested(word, meant):
     done = visitlab(word)
