@@ -1,5 +1,8 @@
 """The exceptions of visitlab: each is one clear line for the user and carries the exit code of the command."""
 
+from collections.abc import Sequence
+from typing import Any
+
 
 class VisitlabError(Exception):
     """Something the user can mend; shown as one line, never as a traceback."""
@@ -14,9 +17,22 @@ class UsageError(VisitlabError):
 
 
 class ConfigError(VisitlabError):
-    """The config is invalid: exit code 3. The message has one line for each problem."""
+    """The config is invalid: exit code 3. The message has one line for each problem.
+
+    `problems` are these as plain values: `file`, `line`, `column` (None in an override), `path`, `message`.
+    """
 
     exit_code = 3
+
+    def __init__(self, message: str, problems: Sequence[dict[str, Any]] = ()) -> None:
+        """An error of one line, or of several `problems`."""
+        super().__init__(message)
+        alone = {"file": None, "line": None, "column": None, "path": None, "message": message}
+        self.problems = list(problems) or [alone]
+
+    def __reduce__(self) -> Any:
+        """Another process gets all of it."""
+        return type(self), (str(self), self.problems)
 
 
 class RunError(VisitlabError):

@@ -33,6 +33,32 @@ def test_every_error_is_told_with_its_place(tmp_path):
     ]
 
 
+def test_errors_as_json(tmp_path):
+    (tmp_path / "bad.yaml").write_text(TINY.read_text().replace("p_A: 0.05", "p_a: 0.05"))
+    done = visitlab("validate", "bad.yaml", "seed=x", "--json", cwd=tmp_path)
+    assert done.returncode == 3
+    assert json.loads(done.stdout) == {
+        "valid": False,
+        "errors": [
+            {
+                "file": "bad.yaml",
+                "line": 7,
+                "column": 63,
+                "path": "humans.fast.p_a",
+                "message": "unknown; did you mean p_A?",
+            },
+            {
+                "file": "override 'seed=x'",
+                "line": None,
+                "column": None,
+                "path": "seed",
+                "message": "must be a whole number (got 'x')",
+            },
+        ],
+    }
+    assert len(done.stderr.splitlines()) == 2
+
+
 def test_a_dry_run_tells_what_there_is_to_do_and_writes_nothing(tmp_path):
     done = visitlab("run", TINY, "--dry-run", "--workers", 2, cwd=tmp_path)
     assert done.returncode == 0, done.stderr

@@ -6,6 +6,7 @@ from typing import Any
 
 from visitlab_cli.analysis.summary import summaries
 from visitlab_cli.analysis.summary_tables import Reader, model_of, steps_of, tables, trials_of
+from visitlab_cli.errors import NotFoundError
 from visitlab_cli.execution.cells import Cell
 from visitlab_cli.whole_file import new_file
 
@@ -24,9 +25,11 @@ def export_table(run: Path, cells: Sequence[Cell], content: str, file: Path) -> 
 
     Raises:
         UsageError: the file exists.
-        NotFoundError: a cell has no steps.
+        NotFoundError: a cell has no steps, or there is no folder for the file.
         RunError: a cell is damaged, or the file cannot be written.
     """
+    if not file.absolute().parent.is_dir():
+        raise NotFoundError(f"{file}: there is no folder {file.parent}")
     parts = _results(run, cells) if content == RESULTS else _aligned(run, cells, READERS[content])
     with new_file(file) as beside:
         return _write(parts, beside, file.suffix == f".{CSV}")

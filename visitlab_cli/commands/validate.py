@@ -19,10 +19,16 @@ def command(
     """Check a config: every error at once, each with its place; else what it would run."""
     from visitlab_cli.config.canonical import canonical, config_hash, dump_yaml
     from visitlab_cli.config.loading import load
+    from visitlab_cli.errors import ConfigError
     from visitlab_cli.execution.cells import plan
 
-    loaded = load(config, overrides or [])
-    cells = plan(loaded)
+    try:
+        loaded = load(config, overrides or [])
+        cells = plan(loaded)
+    except ConfigError as error:
+        if as_json:
+            typer.echo(json.dumps({"valid": False, "errors": error.problems}, indent=2))
+        raise
     steps = sum(cell.steps for cell in cells)
     run = f"{loaded.name}-{config_hash(loaded)}"
     if as_json:
@@ -31,4 +37,4 @@ def command(
     elif show:
         typer.echo(dump_yaml(loaded), nl=False)
     else:
-        typer.echo(f"valid: {len(cells)} cells, {steps:,} steps; the run would be {run}")
+        typer.echo(f"valid: {len(cells)} cell{'s' if len(cells) != 1 else ''}, {steps:,} steps; the run would be {run}")

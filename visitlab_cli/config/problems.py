@@ -36,6 +36,12 @@ class Problem:
         where = f"{dotted(self.path)}: " if self.path else ""
         return f"{self.place}: {where}{self.message}"
 
+    def as_json(self) -> dict[str, Any]:
+        """Plain values; an override has no line and column."""
+        line, column = (self.place.line, self.place.column) if self.place.line else (None, None)
+        where = {"file": self.place.source, "line": line, "column": column}
+        return {**where, "path": dotted(self.path), "message": self.message}
+
 
 def positioned(document: Node, issue: Issue) -> Problem:
     """Where an issue stands: its value or key; its parent's key if it is missing itself."""
@@ -50,9 +56,11 @@ def failure(problems: Iterable[Problem]) -> ConfigError:
     for problem in problems:
         setting = problem.path[:1] + problem.path[2:]  # by `like`, several entries may share it
         told.setdefault((problem.place, problem.message, setting), problem)
-    lines = [str(problem) for problem in sorted(told.values(), key=_order)]
-    more = len(lines) - MOST_LINES
-    return ConfigError("\n".join(lines[:MOST_LINES] + ([f"... and {more} more"] if more > 0 else [])))
+    found = sorted(told.values(), key=_order)
+    lines = [str(problem) for problem in found[:MOST_LINES]]
+    more = len(found) - MOST_LINES
+    lines += [f"... and {more} more"] if more > 0 else []
+    return ConfigError("\n".join(lines), [problem.as_json() for problem in found])
 
 
 def _order(problem: Problem) -> tuple[bool, Place]:

@@ -10,8 +10,13 @@ import numpy.typing as npt
 from visitlab_cli.errors import NotFoundError, RunError
 
 Arrays = dict[str, npt.NDArray[Any]]
-MENDED = "visitlab runs verify RUN sets it aside, and running again mends it"
 LARGEST_ARRAY = 4 * 2**30  # bytes that a model's file may claim for one array
+
+
+def _mended(file: Path) -> str:
+    """How a damaged file of a run is mended; nothing for one that lies in none."""
+    runs = [folder for folder in file.parents if (folder / "config.yaml").is_file()]
+    return f"; visitlab runs verify {runs[0]} sets it aside, and running again mends it" if runs else ""
 
 
 def write_model(file: Path, arrays: Arrays) -> None:
@@ -39,7 +44,7 @@ def read_model(file: Path) -> Arrays:
     except FileNotFoundError:
         raise NotFoundError(f"{file}: no such model") from None
     except (OSError, ValueError, EOFError, zipfile.BadZipFile) as error:
-        raise RunError(f"{file}: damaged: {error}; {MENDED}") from error
+        raise RunError(f"{file}: damaged: {error}{_mended(file)}") from error
 
 
 def write_trials(file: Path, trial_rewards: npt.NDArray[np.float64], with_goals: bool) -> None:
@@ -78,5 +83,5 @@ def read_trials(file: Path) -> Arrays:
     except FileNotFoundError:
         raise NotFoundError(f"{file}: no such table of trials") from None
     except (OSError, pyarrow.ArrowException) as error:
-        raise RunError(f"{file}: damaged: {str(error).splitlines()[0]}; {MENDED}") from error
+        raise RunError(f"{file}: damaged: no table of trials{_mended(file)}") from error
     return {name: table.column(name).to_numpy() for name in table.column_names}
