@@ -8,7 +8,9 @@ from typer.testing import CliRunner
 
 from tests.program import hashes, the_run, visitlab
 from visitlab_cli.cli import app
+from visitlab_cli.commands import matrix
 from visitlab_cli.commands.matrix import planned_cells
+from visitlab_cli.commands.running import How
 from visitlab_cli.config.loading import load
 from visitlab_cli.errors import RunError, UsageError
 
@@ -81,6 +83,27 @@ def test_one_human_fewer_trials_another_picture_as_json(run, tmp_path):
     ]
     assert all((run / each["cells"] / "seed-0001" / "cell.json").is_file() for each in told["goals"])
     assert target.read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize("options", [[], ["--json"]])
+def test_a_picture_that_cannot_be_written_costs_no_table(run, tmp_path, options):
+    (tmp_path / "file").touch()
+    target = tmp_path / "file" / "matrix.png"
+    few = ["--human", "lost", "--trials", 3, "--quiet"]
+    done = visitlab("eval", run, "--matrix", *few, "--picture", target, *options)
+    assert done.returncode == 4
+    assert done.stderr.startswith(f"{target}: can't be written: ")
+    assert "trained with" in done.stdout or json.loads(done.stdout)["goals"]
+
+
+def test_a_picture_that_cannot_be_written_hides_no_failure(run, tmp_path, monkeypatch, capsys):
+    planned = planned_cells(run, load(run / "config.yaml"), "visit", ["lost"], 3)
+    monkeypatch.setattr(matrix, "run_missing", lambda *_: {"visit/lost/seed-0000": "it broke"})
+    (tmp_path / "file").touch()
+    target = tmp_path / "file" / "matrix.png"
+    with pytest.raises(RunError, match="visit/lost/seed-0000: it broke"):
+        matrix.play_matrix(run, planned, target, How(1, False, False, False, False))
+    assert capsys.readouterr().err.startswith(f"{target}: can't be written: ")
 
 
 def test_a_visit_of_a_module_that_started_from_another(run):

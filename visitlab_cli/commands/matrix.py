@@ -10,7 +10,7 @@ import typer
 from visitlab_cli.commands.optimum import aligned
 from visitlab_cli.commands.running import How, raise_first, run_missing
 from visitlab_cli.commands.runs_words import with_interval
-from visitlab_cli.errors import UsageError
+from visitlab_cli.errors import UsageError, VisitlabError
 
 if TYPE_CHECKING:
     from visitlab_cli.analysis.matrix import Matrix, Planned
@@ -64,11 +64,18 @@ def play_matrix(run: Path, planned: "Planned", picture: Path | None, how: How) -
     if failures is None:
         return
     matrix, target = matrix_of(run, planned), picture or run / PICTURE
-    save_matrix(matrix, target)
     if how.as_json:
         typer.echo(json.dumps({"run": str(run), **matrix.as_json(), "picture": str(target)}, indent=2))
     else:
-        typer.echo(f"{text(matrix)}\n\n{target}")
+        typer.echo(text(matrix))
+    try:
+        save_matrix(matrix, target)
+        if not how.as_json:
+            typer.echo(f"\n{target}")
+    except VisitlabError as error:
+        if not failures:
+            raise
+        typer.echo(str(error), err=True)
     raise_first(failures)
 
 
