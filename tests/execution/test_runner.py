@@ -9,6 +9,7 @@ from visitlab_cli.execution import cell_runner, workers
 from visitlab_cli.execution.cells import plan
 from visitlab_cli.execution.progress import Progress
 from visitlab_cli.execution.runner import missing_cells, run_cells
+from visitlab_cli.storage.cell_folder import NewCell
 
 CONFIG = """
 name: failing
@@ -32,6 +33,12 @@ def dies_on_seed_1(run, cell, slot):
     cell_runner.run_cell(run, cell, lambda steps: None)
 
 
+def dies_while_writing_seed_1(run, cell, slot):
+    if cell.seed == 1:
+        NewCell(run, cell.path).__enter__()
+    dies_on_seed_1(run, cell, slot)
+
+
 def raises_on_seed_1(run, cell, slot):
     if cell.seed == 1:
         raise ZeroDivisionError("no such thing")
@@ -51,6 +58,12 @@ def test_a_worker_that_always_dies_costs_only_its_cell(cells, tmp_path, monkeypa
     failures = run_cells(tmp_path, cells, 2, Progress(quiet=True))
     assert failures == {"navigation/mf/seed-0001": "its worker process died 3 times (out of memory?)"}
     assert [cell.seed for cell in missing_cells(tmp_path, cells)] == [1]
+
+
+def test_what_killed_workers_left_is_gone_at_the_end(cells, tmp_path, monkeypatch):
+    monkeypatch.setattr(workers, "_run_in_slot", dies_while_writing_seed_1)
+    assert len(run_cells(tmp_path, cells, 2, Progress(quiet=True))) == 1
+    assert not list(tmp_path.glob(".tmp-*"))
 
 
 def test_rewards_that_are_no_numbers_fail_the_cell(cells, tmp_path, monkeypatch):

@@ -48,6 +48,7 @@ def run_cells(run: Path, cells: Sequence[Cell], workers: int, progress: Progress
             return _Running(run, missing, pool, progress, stopped).finish()
         finally:
             pool.close()
+            remove_leftovers(run)  # of workers that were killed
 
 
 class _Running:
