@@ -90,9 +90,7 @@ def test_of_equally_near_runs_the_latest(lab, tmp_path):
 def test_more_seeds_are_no_edit(lab, tmp_path):
     run, _ = open_run(tmp_path, lab(seeds=2), {})
     (run / "config.yaml").write_text((run / "config.yaml").read_text().replace("alpha: 0.5", "alpha: 0.7"))
-    with pytest.raises(
-        RunError, match=r"was edited: agents.mf.alpha is 0.7, not 0.5; restore it, or move the run away$"
-    ):
+    with pytest.raises(RunError, match=r"was edited: agents.mf.alpha is 0.7, not 0.5; delete it and do the same again"):
         open_run(tmp_path, lab(seeds=3), {})
 
 

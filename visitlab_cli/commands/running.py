@@ -39,7 +39,7 @@ def run_config(out: Path, config: "Config", cells_of: "Callable[[Config], list[C
     from visitlab_cli.execution.cells import plan
     from visitlab_cli.execution.versions import versions
     from visitlab_cli.storage.nearest import news_of
-    from visitlab_cli.storage.run_folder import open_run, run_name
+    from visitlab_cli.storage.run_folder import mend_config, open_run, run_name
 
     check_expected(config, plan(config))
     if not how.quiet and (news := news_of(out, config)):
@@ -47,6 +47,8 @@ def run_config(out: Path, config: "Config", cells_of: "Callable[[Config], list[C
     if how.dry_run:
         folder = out / run_name(config)
     else:
+        if mended := mend_config(out, config):
+            typer.echo(mended, err=True)
         folder, config = open_run(out, config, versions())
     run_and_tell(folder, config, cells_of(config), how)
 
@@ -96,8 +98,11 @@ def run_missing(run: Path, cells: "Sequence[Cell]", how: How) -> "Failures | Non
     from visitlab_cli.execution.runner import missing_cells, run_cells
     from visitlab_cli.execution.warm_up import warm_up
     from visitlab_cli.storage.on_disk import bytes_below
+    from visitlab_cli.storage.run_folder import edited
 
     progress = Progress(how.quiet, how.verbose)
+    if cells and (note := edited(run, cells[0].run_hash)):
+        progress.say(note)
     missing = missing_cells(run, cells)
     if missing:
         cost = estimate(missing, workers)

@@ -28,14 +28,17 @@ def command(
     from visitlab_cli.analysis.evaluated import evaluated
     from visitlab_cli.analysis.summary import summaries
     from visitlab_cli.analysis.summary_runs import run_line
+    from visitlab_cli.config.canonical import config_hash
     from visitlab_cli.errors import UsageError
     from visitlab_cli.execution.cells import plan
-    from visitlab_cli.storage.run_folder import find_run, read_config
+    from visitlab_cli.storage.run_folder import edited, find_run, read_config
 
     if not 0 < level <= 1 or math.isnan(level):
         raise UsageError(f"--level {level}: must be above 0, at most 1")
     folder = find_run(run, out)
     config = read_config(folder)
+    if note := edited(folder, config_hash(config)):
+        typer.echo(note, err=True)
     cells = plan(config)
     line = run_line(folder, config, cells)
     played = [cell for those in evaluated(folder, config).values() for cell in those]

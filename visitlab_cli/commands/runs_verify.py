@@ -11,6 +11,7 @@ from visitlab_cli.commands.options import RUNS, Json, Out, Run
 from visitlab_cli.commands.runs_words import run_again
 
 if TYPE_CHECKING:
+    from visitlab_cli.config.model import Config
     from visitlab_cli.storage.verify import Fault
 
 EVALUATIONS = "evaluations/"
@@ -24,28 +25,34 @@ def command(
 ) -> None:
     """Compute every hash anew and name what is wrong; running again then mends that, and that alone.
 
-    The cell.json of a damaged cell is renamed to cell.json.damaged, so that the cell counts as missing.
+    Logs, trials and models have hashes, in cell.json; the config's is in the folder's name. timing.json, figures
+    and report.html have none. The cell.json of a damaged cell is renamed to cell.json.damaged, so that the cell
+    counts as missing.
     """
     from visitlab_cli.analysis.evaluated import evaluated
     from visitlab_cli.errors import RunError, VisitlabError
     from visitlab_cli.execution.cells import plan
     from visitlab_cli.execution.evaluation import OPTIONS, unknown_evaluations
     from visitlab_cli.execution.versions import versions
-    from visitlab_cli.storage.run_folder import find_run, read_config
+    from visitlab_cli.storage.run_folder import CONFIG, find_run, read_config
     from visitlab_cli.storage.verify import Fault, set_faults_aside, verify
+    from visitlab_cli.storage.verify_notes import notes
 
     folder = find_run(run, out)
+    config: Config | None
     try:
         config = read_config(folder)
         planned = plan(config)
         played = [cell for cells in evaluated(folder, config).values() for cell in cells]
     except VisitlabError:  # `verify` says what is wrong with the config
-        planned, played = [], []
+        config, planned, played = None, [], []
     checked = verify(folder, {cell.path: cell.steps for cell in [*planned, *played]}, versions())
     options = [Fault(path, OPTIONS, "missing or damaged") for path in unknown_evaluations(folder)]
     checked = checked._replace(faults=[*checked.faults, *options])
     failed = {} if dry_run else set_faults_aside(folder, checked.faults)
-    absent = sorted({cell.path for cell in planned} - set(checked.found))
+    doubtful = any(fault.file == CONFIG and not fault.cell for fault in checked.faults)
+    absent = [] if doubtful else sorted({cell.path for cell in planned} - set(checked.found))
+    noted = list(notes(folder, checked.found, None if doubtful else {cell.path for cell in [*planned, *played]}))
     if as_json:
         told = {
             "run": str(folder),
@@ -54,31 +61,45 @@ def command(
             "not_run": absent,
             "faults": [fault._asdict() for fault in checked.faults],
             "not_set_aside": failed,
+            "notes": noted,
         }
         typer.echo(json.dumps(told, indent=2))
     else:
         for fault in checked.faults:
             typer.echo(str(fault))
+        for note in noted:
+            typer.echo(f"note: {note}")
         missing = f"; {len(absent)} more are not run yet" if absent else ""
         typer.echo(f"{folder}: {len(checked.whole)} of {len(checked.found)} cells are as they were written{missing}")
     if checked.faults:
-        raise RunError("\n".join(_what_to_do(folder, checked.faults, failed, dry_run)))
+        raise RunError("\n".join(_what_to_do(folder, config, checked.faults, failed, dry_run)))
 
 
-def _what_to_do(run: Path, faults: "list[Fault]", failed: dict[str, str], dry_run: bool) -> Iterator[str]:
+def _what_to_do(
+    run: Path, config: "Config | None", faults: "list[Fault]", failed: dict[str, str], dry_run: bool
+) -> Iterator[str]:
     """How the damage is mended, a line for each kind of it."""
-    from visitlab_cli.storage.run_folder import CONFIG, VERSIONS
+    from visitlab_cli.storage.run_folder import CONFIG, VERSIONS, run_name
 
     own = {fault.file for fault in faults if not fault.cell}
     evaluated = {fault.cell for fault in faults if fault.cell.startswith(EVALUATIONS)}
     planned = {fault.cell for fault in faults if fault.cell} - evaluated
     if CONFIG in own:
-        yield f"{run / CONFIG}: restore it, or delete it and run the config that it was made from"
+        edited = "delete it and " if config is not None else ""
+        yield f"{run / CONFIG}: restore it, or {edited}run the config that it was made from"
     if dry_run:
         yield f"{run}: is damaged; nothing was changed"
         return
     yield from (f"{file}: can't be set aside: {reason}" for file, reason in failed.items())
     if planned or VERSIONS in own:
-        yield f"{run}: what is damaged counts as missing now; mend it with {run_again(run)}"
+        if CONFIG in own:
+            mend = "once its config is mended, the same command mends it"
+        elif config is not None and run.resolve().name != run_name(config):
+            mend = (
+                f"rename the folder to {run_name(config)} and mend it with {run_again(run.with_name(run_name(config)))}"
+            )
+        else:
+            mend = f"mend it with {run_again(run)}"
+        yield f"{run}: what is damaged counts as missing now; {mend}"
     if evaluated:
         yield f"{run}: what is damaged of {EVALUATIONS} counts as missing now; mend it with the same visitlab eval"

@@ -2,7 +2,6 @@
 
 import fcntl
 import os
-import re
 import shutil
 import time
 from collections.abc import Iterator
@@ -10,15 +9,16 @@ from pathlib import Path
 from typing import NamedTuple
 
 from visitlab_cli.config.names import RESERVED_EXPERIMENTS
-from visitlab_cli.errors import NotFoundError, RunError, UsageError
+from visitlab_cli.errors import NotFoundError, RunError, UsageError, VisitlabError
 from visitlab_cli.storage.cell_folder import DAMAGED, OF_CELLS, TEMPORARY, one_line, read_cell
 from visitlab_cli.storage.on_disk import cell_folders, is_seed_folder, leftovers
-from visitlab_cli.storage.run_folder import CONFIG, VERSIONS
+from visitlab_cli.storage.run_folder import CONFIG, VERSIONS, hash_of_name, is_run, read_config, read_versions, run_name
 
 YOUNG = 60.0
 """Seconds in which a temporary file may still be in use."""
-OF_PROGRAM = ("evaluations", "figures")
-"""Folders of a run that hold nothing but what visitlab wrote."""
+FIGURES, EVALUATIONS = "figures", "evaluations"
+OF_EVALUATION = frozenset({"evaluation.json", "matrix.svg"})
+"""Files that visitlab writes, or wrote, in the folder of an evaluation."""
 
 
 class Pruned(NamedTuple):
@@ -63,37 +63,45 @@ def _holds_foreign(path: Path) -> str | None:
 
 
 def check_removable(run: Path) -> None:
-    """Refuse to remove what is not a run, is being written, or holds files that are not the run's.
+    """Refuse to remove what is not a run, was renamed, is being written, or holds files that are not the run's.
 
     Raises:
         NotFoundError: it is no run folder.
         UsageError: it is a link.
-        RunError: it is in use, or not only a run.
+        RunError: it was renamed, is in use, or not only a run.
     """
     if run.is_symlink():
         raise UsageError(f"{run}: a link to {os.readlink(run)}; remove that")
-    if not ((run / CONFIG).is_file() and (run / VERSIONS).is_file() and _is_run_name(run)):
+    if not (is_run(run) and (run / VERSIONS).is_file()):
         raise NotFoundError(f"{run}: not a run (a run's folder is called name-hash and has {CONFIG} and {VERSIONS})")
+    if hash_of_name(run) is None:
+        raise RunError(f"{run}: was renamed, so that it may be kept; to remove it, rename it to {_name_made_with(run)}")
     busy = [path.name for path in leftovers(run) if _is_folder(path) and _busy(path)]
     if busy:
         raise RunError(f"{run}: is being written ({busy[0]}); stop that first")
-    foreign = next(_foreign(run), None)
+    foreign = next(foreign_files(run), None)
     if foreign:
         raise RunError(f"{run}: holds {foreign}, which is not visitlab's; move it away first")
 
 
-def _is_run_name(run: Path) -> bool:
-    return re.fullmatch(r".+-[0-9a-f]{8}", run.resolve().name) is not None
+def _name_made_with(run: Path) -> str:
+    try:
+        read_versions(run)
+        return run_name(read_config(run))
+    except VisitlabError as error:
+        raise NotFoundError(f"{run}: not a run: {error}") from None
 
 
-def _foreign(run: Path) -> Iterator[str]:
+def foreign_files(run: Path) -> Iterator[str]:
     """The files that visitlab did not write, as paths below the run; a link is none, for nothing is lost with it."""
     top = {*RESERVED_EXPERIMENTS, *(name + DAMAGED for name in RESERVED_EXPERIMENTS)}
     for here, folders, files in os.walk(run):
         folder = Path(here)
         if folder == run:
-            folders[:] = [name for name in folders if name not in OF_PROGRAM and not name.startswith(TEMPORARY)]
+            folders[:] = [name for name in folders if name != FIGURES and not name.startswith(TEMPORARY)]
             known = top | {name for name in files if name.startswith(TEMPORARY)}
+        elif folder.parent == run / EVALUATIONS:
+            known = set(OF_EVALUATION)
         else:
             known = set(OF_CELLS) if is_seed_folder(folder.name) else set()
         for name in sorted(set(files) - known):

@@ -10,8 +10,9 @@ from visitlab_cli.config.loading import load
 from visitlab_cli.config.model import Config
 from visitlab_cli.config.problems import printable
 from visitlab_cli.errors import ConfigError, NotFoundError, RunError, UsageError
-from visitlab_cli.storage.cell_folder import one_line, reason, sync, to_json, write_durably
+from visitlab_cli.storage.cell_folder import DAMAGED, one_line, read_cell, reason, sync, to_json, write_durably
 from visitlab_cli.storage.differences import differences, in_words
+from visitlab_cli.storage.on_disk import cell_folders, set_aside
 from visitlab_cli.whole_file import whole_file
 
 CONFIG, VERSIONS = "config.yaml", "versions.json"
@@ -29,22 +30,21 @@ def open_run(out: Path, config: Config, versions: Mapping[str, str]) -> tuple[Pa
     More seeds than before, and other expected values, are written to its `config.yaml`; fewer leave it as it is.
 
     Raises:
-        RunError: the folder can't be written, or its own config was edited.
+        RunError: the folder can't be written, or its own config was edited or is damaged.
     """
     run = out / run_name(config)
     try:
         if not (run / CONFIG).exists():
             run.mkdir(parents=True, exist_ok=True)
-            _replace(run / VERSIONS, to_json(dict(versions)))
+            _write_versions(run, versions)
             _replace(run / CONFIG, dump_yaml(config))
             return run, config
-        if not (run / VERSIONS).exists():
-            _replace(run / VERSIONS, to_json(dict(versions)))  # `runs verify` set a damaged one aside
+        _write_versions(run, versions)
         stored = read_config(run)
         if canonical_json(stored) != canonical_json(config):
             raise RunError(
                 f"{run / CONFIG}: was edited: {in_words(differences(hashed(config), hashed(stored)))}; "
-                "restore it, or move the run away"
+                "delete it and do the same again, which writes it as it was, or move the run away"
             )
         now = config.model_copy(
             update={"seeds": max(config.seeds, stored.seeds), "expected": config.expected or stored.expected}
@@ -56,19 +56,72 @@ def open_run(out: Path, config: Config, versions: Mapping[str, str]) -> tuple[Pa
     return run, config
 
 
+def mend_config(out: Path, config: Config) -> str | None:
+    """Where the config in the run folder of `config` can't be read, set it aside for `open_run` to write it anew.
+
+    Returns:
+        What was done, in a line; None where nothing was.
+
+    Raises:
+        RunError: it can't be set aside, or another lies there.
+    """
+    file = out / run_name(config) / CONFIG
+    aside = file.with_name(CONFIG + DAMAGED)
+    try:
+        read_config(file.parent)
+        return None
+    except (NotFoundError, RunError):
+        if not file.is_file():
+            return None
+    if aside.exists():
+        raise RunError(f"{file}: damaged, and so was {aside}, which is kept; move that away first")
+    try:
+        set_aside(file)
+    except OSError as error:
+        raise RunError(f"{file}: damaged, and can't be set aside: {one_line(error)}") from error
+    return f"{file}: was damaged; it is kept as {aside.name} and written anew"
+
+
+def _write_versions(run: Path, versions: Mapping[str, str]) -> None:
+    """Say what the run was begun with: `versions` while no cell is finished, else, where it is missing, what cells say.
+
+    It is missing where `runs verify` set it aside as damaged.
+    """
+    finished = next((cell for folder in cell_folders(run) if (cell := read_cell(folder)) is not None), None)
+    begun = to_json(dict(versions) if finished is None else finished["versions"])
+    if not (run / VERSIONS).exists() or (finished is None and (run / VERSIONS).read_bytes() != begun.encode()):
+        _replace(run / VERSIONS, begun)
+
+
 def read_config(run: Path) -> Config:
     """The config of a run folder.
 
     Raises:
         NotFoundError: this is no run folder.
-        RunError: its config is damaged.
+        RunError: its config is missing or damaged.
     """
     if not (run / CONFIG).is_file():
+        if is_run(run):
+            raise RunError(f"{run / CONFIG}: missing; run the config that the run was made from, which writes it anew")
         raise NotFoundError(f"{run}: not a run (it has no {CONFIG})")
     try:
         return load(run / CONFIG)
     except ConfigError as error:
         raise RunError(f"{str(error).splitlines()[0]} (the run's own config was edited)") from error
+
+
+def edited(run: Path, of_config: str) -> str | None:
+    """A line that says so where the hash of a run's config is not the one that its folder is named after; else None."""
+    of_name = hash_of_name(run)
+    if of_name in (None, of_config):
+        return None
+    return f"{run / CONFIG}: was edited: its hash is {of_config}, the folder's name says {of_name}"
+
+
+def hash_of_name(run: Path) -> str | None:
+    """The config hash that a run folder is named after; None where the folder was renamed."""
+    match = re.search(r"-([0-9a-f]{8})$", run.resolve().name)
+    return match[1] if match else None
 
 
 def read_versions(run: Path) -> dict[str, str]:
@@ -107,7 +160,7 @@ def find_run(word: str, out: Path) -> Path:
         raise NotFoundError("no run is called ''")
     try:
         for path in (Path(word), out / word):
-            if (path / CONFIG).is_file():
+            if is_run(path):
                 return path
     except (OSError, ValueError) as error:
         raise NotFoundError(f"{shown}: {reason(error)}") from None
@@ -127,4 +180,9 @@ def find_run(word: str, out: Path) -> Path:
 
 def all_runs(out: Path) -> list[Path]:
     """The run folders below `out`, by name."""
-    return sorted(file.parent for file in out.glob(f"*/{CONFIG}"))
+    return sorted({file.parent for name in (CONFIG, VERSIONS) for file in out.glob(f"*/{name}") if is_run(file.parent)})
+
+
+def is_run(folder: Path) -> bool:
+    """Whether a folder is a run's; one that lost its config is known by its name and its versions."""
+    return (folder / CONFIG).is_file() or (hash_of_name(folder) is not None and (folder / VERSIONS).is_file())

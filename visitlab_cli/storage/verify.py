@@ -5,7 +5,6 @@ again makes it, and it alone, anew.
 """
 
 import json
-import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -13,8 +12,9 @@ from typing import Any, NamedTuple
 from visitlab_cli.config.canonical import config_hash
 from visitlab_cli.errors import VisitlabError
 from visitlab_cli.storage.cell_folder import CELL, one_line
+from visitlab_cli.storage.differences import differences, in_words
 from visitlab_cli.storage.on_disk import cell_folders, set_aside, was_set_aside
-from visitlab_cli.storage.run_folder import CONFIG, VERSIONS, read_config, read_versions
+from visitlab_cli.storage.run_folder import CONFIG, VERSIONS, edited, hash_of_name, read_config, read_versions
 from visitlab_cli.storage.verify_cell import cell_faults
 
 
@@ -42,15 +42,18 @@ def verify(run: Path, steps: Mapping[str, int], versions: Mapping[str, str]) -> 
 
     Args:
         run: the run's folder.
-        steps: the steps of each planned cell, by its path; of what is not planned, they are not checked.
+        steps: the steps of each planned cell, by its path; of what is not planned, they are not checked, nor where
+            the config is in doubt.
         versions: those of this program, which may have made a cell.
     """
     folders = cell_folders(run)
     stated = [_stated(folder) for folder in folders]
     digest, faults = _run_hash(run, {each.get("config_hash") for each in stated})
-    versions_of_run, problem = _versions_of(run)
-    faults += [Fault("", VERSIONS, problem)] if problem else []
+    steps = {} if faults else steps
     made_with = [each.get("versions") for each in stated]
+    versions_of_run, problem = _versions_of(run)
+    problem = problem or _of_no_cell(versions_of_run, [each for each in made_with if isinstance(each, dict)], versions)
+    faults += [Fault("", VERSIONS, problem)] if problem else []
     found, whole = [], []
     for folder, its_versions in zip(folders, made_with, strict=True):
         path = folder.relative_to(run).as_posix()
@@ -85,18 +88,17 @@ def set_faults_aside(run: Path, faults: list[Fault]) -> dict[str, str]:
 
 def _run_hash(run: Path, stated: set[Any]) -> tuple[str | None, list[Fault]]:
     """The hash that the cells must state, as far as it is beyond doubt, and what is wrong with the config."""
-    match = re.search(r"-([0-9a-f]{8})$", run.resolve().name)
-    of_name = match[1] if match else None
+    of_name = hash_of_name(run)
     try:
         of_config = config_hash(read_config(run))
     except VisitlabError as error:
-        return of_name, [Fault("", CONFIG, str(error))]
+        return of_name, [Fault("", CONFIG, str(error).removeprefix(f"{run / CONFIG}: "))]
+    if problem := edited(run, of_config):
+        return of_name, [Fault("", CONFIG, problem.removeprefix(f"{run / CONFIG}: "))]
     if of_name is None:  # the folder was renamed
         if of_config in stated or not stated - {None}:
             return of_config, []
         return None, [Fault("", CONFIG, f"was edited: its hash is {of_config}, and no cell was made with it")]
-    if of_name != of_config:
-        return of_name, [Fault("", CONFIG, f"was edited: its hash is {of_config}, the folder's name says {of_name}")]
     return of_name, []
 
 
@@ -117,3 +119,13 @@ def _versions_of(run: Path) -> tuple[dict[str, str] | None, str | None]:
         return read_versions(run), None
     except VisitlabError:
         return None, "damaged"
+
+
+def _of_no_cell(
+    versions_of_run: dict[str, str] | None, made_with: list[dict[str, str]], versions: Mapping[str, str]
+) -> str | None:
+    """That no cell was made with what the run says it was begun with, where the cells vouch for other versions."""
+    if versions_of_run is None or versions_of_run in made_with:
+        return None
+    vouched = [each for each in made_with if each == versions or made_with.count(each) > 1]
+    return f"fits no cell: {in_words(differences(vouched[0], versions_of_run))}" if vouched else None

@@ -15,6 +15,8 @@ from visitlab_cli.storage.on_disk import was_set_aside
 
 MEANS = {"mean_reward_last_hundredth": 100, "mean_reward_last_tenth": 10}
 """Which part of the trials a mean is of: the last 1%, the last tenth."""
+MOST_DIGITS_WRONG = 16
+"""The hash of another file agrees in 4 of 64 digits, not in 48."""
 ROUNDING = 1e-14
 """How far, relatively, two sums of the same numbers may lie apart."""
 
@@ -97,8 +99,16 @@ def _file_fault(folder: Path, name: str, files: dict[str, dict[str, Any]]) -> tu
     if actual["size"] != described["size"]:
         return name, f"has {actual['size']:,} bytes, {CELL} says {described['size']:,}"
     if actual["sha256"] != described["sha256"]:
-        return name, f"its sha256 is {actual['sha256'][:12]}..., {CELL} says {described['sha256'][:12]}..."
+        return _hash_fault(name, actual["sha256"], described["sha256"])
     return None
+
+
+def _hash_fault(name: str, actual: str, stated: str) -> tuple[str, str]:
+    """Another hash differs in nearly all digits; where few do, what is stated was damaged, not the file."""
+    wrong = sum(a != b for a, b in zip(actual, stated, strict=False)) + abs(len(actual) - len(stated))
+    if wrong <= MOST_DIGITS_WRONG:
+        return CELL, f"the sha256 that it states of {name} is damaged, in {wrong} of {len(actual)} digits"
+    return name, f"its sha256 is {actual[:12]}..., {CELL} says {stated[:12]}..."
 
 
 def _rewards_faults(folder: Path, cell: dict[str, Any]) -> list[tuple[str, str]]:

@@ -1,0 +1,38 @@
+"""What `verify` tells beside faults: files that are not visitlab's, cells of no plan, timings that can't be read."""
+
+import json
+from collections.abc import Collection, Iterator
+from pathlib import Path
+
+from visitlab_cli.storage.cell_folder import TIMING
+from visitlab_cli.storage.removal import foreign_files
+
+MOST_NAMED = 3
+
+
+def notes(run: Path, found: Collection[str], planned: Collection[str] | None) -> Iterator[str]:
+    """A line for each kind of thing that is worth knowing and no fault.
+
+    Args:
+        run: the run's folder.
+        found: the paths of the cells in it.
+        planned: the paths of the cells that its config has, or an evaluation; None where the config is in doubt.
+    """
+    if unplanned := sorted(set(found) - set(found if planned is None else planned)):
+        yield f"not in the plan of the run's config (has it less seeds than before?): {_few(unplanned)}"
+    if untimed := [f"{path}/{TIMING}" for path in found if not _is_read(run / path / TIMING)]:
+        yield f"missing or damaged, which changes no result: {_few(untimed)}"
+    if foreign := list(foreign_files(run)):
+        yield f"not visitlab's: {_few(foreign)}"
+
+
+def _is_read(file: Path) -> bool:
+    try:
+        return isinstance(json.loads(file.read_bytes())["seconds"], int | float)
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
+        return False
+
+
+def _few(names: list[str]) -> str:
+    more = len(names) - MOST_NAMED
+    return ", ".join(names[:MOST_NAMED]) + (f" and {more} more" if more > 0 else "")
