@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from visitlab_cli.analysis.summary_estimate import Estimate
 
 KILO = 1000
+FINE = 0.01
 AGES = ((86_400.0, "d"), (3_600.0, "h"), (60.0, "min"))
 
 
@@ -33,9 +34,10 @@ def age_in_words(seconds: float) -> str:
 
 
 def with_interval(estimate: "Estimate", sign: str = "") -> str:
-    """A mean and half of its 95% interval; a question mark where one seed leaves it open."""
-    half = "?" if math.isnan(estimate.half) else f"{estimate.half:.2f}"
-    return f"{estimate.mean:{sign}.2f} ± {half}"
+    """A mean and half of its 95% interval; a question mark where one seed leaves it open. Fine: more digits."""
+    digits = 2 if math.isnan(estimate.half) or estimate.half >= FINE or not estimate.half else 4
+    half = "?" if math.isnan(estimate.half) else f"{estimate.half:.{digits}f}"
+    return f"{estimate.mean:{sign}.{digits}f} ± {half}"
 
 
 def number(value: float | None, form: str) -> str:

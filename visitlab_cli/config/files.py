@@ -42,6 +42,8 @@ def find(name: str | Path) -> Path:
     if exists and not is_folder:
         return path
     shipped = shipped_configs()
+    if not str(name):
+        raise NotFoundError("no config is called ''")
     if str(name) in shipped:
         return shipped[str(name)]
     if is_folder:
