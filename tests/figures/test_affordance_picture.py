@@ -1,8 +1,11 @@
 """The picture of the affordances: what is drawn, read back, is what `affordances` found."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
+from tests.figures.within import outside, upon_another, words_of
 from visitlab_cli.analysis.affordance_policy import UNSEEN
 from visitlab_cli.analysis.affordances import affordances
 from visitlab_cli.analysis.affordances_json import ARROWS, weight
@@ -10,9 +13,11 @@ from visitlab_cli.errors import RunError, UsageError
 from visitlab_cli.execution.cells import plan
 from visitlab_cli.figures.affordance_maps import colour_of
 from visitlab_cli.figures.affordance_picture import draw_affordances, save_affordances
+from visitlab_cli.figures.style import STYLE, styled
 from visitlab_cli.storage.run_folder import read_config
 from visitlab_cli.world.enums import N_LEVELS, N_MOVES
 
+WITHOUT_BREAKS = str.maketrans("", "", " _\n")
 CHANGED = 0.5
 """Points: an outline that is thicker says that the action changed."""
 
@@ -100,3 +105,21 @@ def test_where_it_cannot_go(found, tmp_path):
     with pytest.raises(RunError) as blocked:
         save_affordances(found, tmp_path / "file" / "picture.svg")
     assert str(blocked.value) == f"{tmp_path}/file/picture.svg: can't be written: File exists"
+
+
+@pytest.mark.parametrize(
+    "name", ["slow_and_distractible", "teenager_who_is_slow_and_very_distractible_and_needs_pointing_64", "W" * 64]
+)
+def test_long_names_are_whole_and_free(found, name):
+    renamed = [each._replace(cell=dataclasses.replace(each.cell, human=name)) for each in found.adaptations]
+    found = found._replace(cell=dataclasses.replace(found.cell, human=name), adaptations=renamed)
+    with styled(STYLE):
+        figure = draw_affordances(found)
+    assert outside(figure) == []
+    named = [
+        (words, box)
+        for words, box in words_of(figure)
+        if name.translate(WITHOUT_BREAKS) in words.translate(WITHOUT_BREAKS)
+    ]
+    assert len(named) == 2 + 2 * len(renamed) + 1
+    assert upon_another(words_of(figure)) == []

@@ -26,14 +26,14 @@ def arrow_name(arrow: Arrow) -> str:
     return f"{KIND_NAMES.get(str(arrow.kind), str(arrow.kind))}: {LEVEL_NAMES[arrow.level]} to {outcome}"
 
 
-def draw_changes(axes: "Axes", found: Affordances, adaptation: Adaptation, human: str, *, named: bool) -> None:
+def draw_changes(axes: "Axes", found: Affordances, adaptation: Adaptation, title: str, *, named: bool) -> None:
     """A line for each arrow of Fig. 4; at its end how often it was tried before, and in the visit.
 
     Args:
         axes: where.
         found: the module before.
         adaptation: after a visit.
-        human: whom it visited, in words.
+        title: says whom it visited.
         named: whether the arrows' names stand at the left.
     """
     rows = range(len(ARROWS))
@@ -52,7 +52,7 @@ def draw_changes(axes: "Axes", found: Affordances, adaptation: Adaptation, human
     axes.tick_params(axis="y", length=0, labelsize=SMALL)
     axes.spines["left"].set_visible(False)
     axes.spines["bottom"].set_bounds(0, 1)
-    axes.set_title(f"Visiting {human}", loc="left")
+    axes.set_title(title, loc="left")
     axes.set_xlabel("probability (tried before + in the visit)", fontsize=SMALL, color=INK)
     axes.grid(axis="y", color="0.93", linewidth=0.5)
 

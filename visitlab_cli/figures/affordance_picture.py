@@ -4,6 +4,7 @@ The learned Fig. 4 beside the true one, what it would do around the human, and h
 another human.
 """
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +14,7 @@ from visitlab_cli.figures.affordance_changes import draw_changes
 from visitlab_cli.figures.affordance_graph import HEIGHT, WIDTH, draw_graph
 from visitlab_cli.figures.affordance_maps import draw_map, key
 from visitlab_cli.figures.style import FORMATS, GREY, INK, PAGE, SMALL, STYLE, save, styled
+from visitlab_cli.figures.words import fitting, height_of, in_lines
 from visitlab_cli.story import LEVEL_NAMES
 from visitlab_cli.world.enums import N_LEVELS
 
@@ -21,10 +23,13 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 # In inches.
-EDGE, TITLE, GAP = 0.08, 0.24, 0.12
+EDGE, TITLE, GAP = 0.08, 0.12, 0.12
 GRAPH = (PAGE - 3 * EDGE) / 2
 NAMES, CHANGE, LINES, BELOW = 1.72, 1.8, 2.25, 0.5
-MAPS_TITLE, ROW_NAME, MAP, WORDS = 0.36, 0.5, 0.83, 0.66
+MAPS_TITLE, ROW_NAME, MAP, WORDS = 0.36, 0.56, 0.83, 0.66
+ROW_WORDS = 0.48
+"""What the words of a row's name may take of it."""
+TITLE_SIZE = 8
 MOST_VISITS = 3
 """Visits that are shown; the others are in `--json`."""
 
@@ -68,13 +73,14 @@ def save_affordances(found: Affordances, target: Path) -> None:
 def draw_affordances(found: Affordances) -> "Figure":
     """The graphs; what each visit changed; the maps, a row for the trained module and one for each visit."""
     visits = found.adaptations[:MOST_VISITS]
-    graphs = TITLE + GRAPH * HEIGHT / WIDTH + GAP
-    changes = TITLE + LINES + BELOW + GAP if visits else 0.0
+    above_graphs, above_changes = graph_titles(found), change_titles(found)
+    graphs = room_for(above_graphs) + GRAPH * HEIGHT / WIDTH + GAP
+    changes = room_for(above_changes) + LINES + BELOW + GAP if visits else 0.0
     maps = MAPS_TITLE + MAP * (1 + len(visits)) + WORDS
     sheet = Sheet(graphs + changes + maps)
-    _graphs(sheet, found)
+    _graphs(sheet, found, above_graphs)
     if visits:
-        _changes(sheet, found)
+        _changes(sheet, found, above_changes)
     _maps(sheet, found)
     return sheet.figure
 
@@ -84,21 +90,38 @@ def in_words(human: str) -> str:
     return human.replace("_", " ")
 
 
-def _graphs(sheet: Sheet, found: Affordances) -> None:
-    sheet.top += TITLE
+def graph_titles(found: Affordances) -> list[str]:
+    """Of the learned graph and the true one, in lines."""
     human = in_words(found.cell.human)
+    titles = f"Learned with {human}: probability (times tried)", f"True for {human} (varies: with where both stand)"
+    return [in_lines(title, GRAPH - EDGE, TITLE_SIZE, "bold") for title in titles]
+
+
+def change_titles(found: Affordances) -> list[str]:
+    """Of what each visit changed, in lines."""
+    titles = [f"Visiting {in_words(visit.cell.human)}" for visit in found.adaptations[:MOST_VISITS]]
+    return [in_lines(title, CHANGE - GAP, TITLE_SIZE, "bold") for title in titles]
+
+
+def room_for(titles: Sequence[str]) -> float:
+    """The height that titles side by side need."""
+    return TITLE + max((height_of(title, TITLE_SIZE) for title in titles), default=0.0)
+
+
+def _graphs(sheet: Sheet, found: Affordances, titles: Sequence[str]) -> None:
+    sheet.top += room_for(titles)
     height = GRAPH * HEIGHT / WIDTH
     learned, true = sheet.axes(EDGE, GRAPH, height), sheet.axes(2 * EDGE + GRAPH, GRAPH, height)
-    draw_graph(learned, found.knows, f"Learned with {human}: probability (times tried)", true=False)
-    draw_graph(true, found.knows, f"True for {human} (varies: with where both stand)", true=True)
+    draw_graph(learned, found.knows, titles[0], true=False)
+    draw_graph(true, found.knows, titles[1], true=True)
     sheet.top += height + GAP
 
 
-def _changes(sheet: Sheet, found: Affordances) -> None:
-    sheet.top += TITLE
-    for index, visit in enumerate(found.adaptations[:MOST_VISITS]):
+def _changes(sheet: Sheet, found: Affordances, titles: Sequence[str]) -> None:
+    sheet.top += room_for(titles)
+    for index, (visit, title) in enumerate(zip(found.adaptations, titles, strict=False)):
         axes = sheet.axes(NAMES + index * CHANGE, CHANGE - GAP, LINES)
-        draw_changes(axes, found, visit, in_words(visit.cell.human), named=index == 0)
+        draw_changes(axes, found, visit, title, named=index == 0)
         if index == 0:
             place: Any = {"loc": "upper right", "bbox_to_anchor": (-0.02, -0.02), "handletextpad": 0.3}
             axes.legend(borderaxespad=0, **place)
@@ -109,18 +132,19 @@ def _maps(sheet: Sheet, found: Affordances) -> None:
     from matplotlib.patches import Patch
 
     visits = found.adaptations[:MOST_VISITS]
-    rows = [(f"trained with\n{in_words(found.cell.human)}", found.policy)]
-    rows += [(f"after visiting\n{in_words(visit.cell.human)}", visit.policy) for visit in visits]
+    rows = [("trained with", found.cell.human, found.policy)]
+    rows += [("after visiting", visit.cell.human, visit.policy) for visit in visits]
     sheet.write("Best action around the human, by level", fontsize=8, weight="bold")
     sheet.top += MAPS_TITLE
-    for index, (name, policy) in enumerate(rows):
+    for index, (what, human, policy) in enumerate(rows):
+        name, size = fitting(in_words(human), MAP, ROW_WORDS - height_of(what, SMALL), SMALL)
         for level in range(N_LEVELS):
             axes = sheet.axes(ROW_NAME + level * MAP, MAP * 0.98, MAP * 0.98)
             draw_map(axes, policy, level, found.policy if index else None)
             if index == 0:
                 axes.set_title(f"{level} {LEVEL_NAMES[level]}", fontsize=SMALL, pad=3)
             if level == 0:
-                axes.set_ylabel(name, fontsize=SMALL, color=INK)
+                axes.set_ylabel(f"{what}\n{name}", fontsize=size, color=INK)
         sheet.top += MAP
     sheet.top += GAP / 2
     sheet.write(_meaning(found), fontsize=SMALL, linespacing=1.3)

@@ -1,0 +1,31 @@
+"""The picture of the matrix: its words can be read, whatever its size and the names in it."""
+
+import pytest
+
+from tests.figures.within import outside, upon_another, words_of
+from visitlab_cli.analysis.matrix import MODES, Goals, Matrix, Pairing
+from visitlab_cli.analysis.summary_estimate import Estimate
+from visitlab_cli.figures.matrix import draw_matrix
+from visitlab_cli.figures.style import STYLE, styled
+
+
+def matrix_of(humans, visit="visit", social="social/mb"):
+    goals = Goals(Estimate(10.25, 10.25), 10, "")
+    return Matrix(visit, social, 300, {Pairing(a, b, mode): goals for a in humans for b in humans for mode in MODES})
+
+
+@pytest.mark.parametrize("size", [1, 2, 3, 8])
+@pytest.mark.parametrize("name", ["human_", "slow_and_distractible_", "a_word_" * 8, "W" * 60])
+def test_every_word_is_whole_and_free(size, name):
+    humans = [f"{name}{place:04}"[-64:] for place in range(size)]
+    with styled(STYLE):
+        figure = draw_matrix(matrix_of(humans))
+        assert outside(figure) == []
+        assert upon_another(words_of(figure)) == []
+
+
+def test_names_as_long_as_names_can_be():
+    with styled(STYLE):
+        figure = draw_matrix(matrix_of(["W" * 64], "v" * 64, "W" * 64 + "/" + "M" * 64))
+        assert outside(figure) == []
+        assert upon_another(words_of(figure)) == []
