@@ -68,3 +68,9 @@ def test_the_curves_of_a_chart_differ(number):
     hues.of_chart([group(f"other_{place}") for place in range(5)])
     found = hues.of_chart([group("mb", point=(("p", str(place)),)) for place in range(number)])
     assert set(found) == set(range(number))
+
+
+def test_few_curves_are_not_dashed():
+    hues, many = Hues(), [group("mb", point=(("p", str(place)),)) for place in range(COLOURS + 3)]
+    hues.of_chart(many)
+    assert set(hues.of_chart(many[3:])) == set(range(COLOURS))

@@ -19,23 +19,28 @@ class Hues:
         self._conditions: dict[Condition, int] = {}
 
     def of_chart(self, groups: Sequence[Group]) -> list[int]:
-        """A hue for each of a chart's groups, all different: the condition's, else the agent's, else a new one."""
+        """A hue for each of a chart's groups, all different: the condition's, else the agent's, else a new one.
+
+        None is dashed where the colours suffice.
+        """
         conditions = [(group.agent, group.human, group.point) for group in groups]
+        few = len(groups) <= COLOURS
         found: dict[int, int] = {}
         for place, condition in enumerate(conditions):
-            self._take(found, place, self._conditions.get(condition))
+            self._take(found, place, self._conditions.get(condition), few)
         for place, (agent, _, _) in enumerate(conditions):
-            self._take(found, place, self._agents.get(agent))
+            self._take(found, place, self._agents.get(agent), few)
         for place, (agent, human, point) in enumerate(conditions):
-            self._take(found, place, self._new(set(found.values())))
+            found.setdefault(place, self._new(set(found.values())))
             self._agents.setdefault(agent, found[place])
             self._conditions.setdefault((agent, human, point), found[place])
         return [found[place] for place in range(len(groups))]
 
     @staticmethod
-    def _take(found: dict[int, int], place: int, hue: int | None) -> None:
-        if place not in found and hue is not None and hue not in found.values():
-            found[place] = hue
+    def _take(found: dict[int, int], place: int, hue: int | None, few: bool) -> None:
+        if hue is None or hue in found.values() or (few and hue >= COLOURS):
+            return
+        found.setdefault(place, hue)
 
     def _new(self, taken: set[int]) -> int:
         """A colour that the page does not have yet, else one that the chart does not have."""
