@@ -14,7 +14,7 @@ from visitlab_cli import compiled
 from visitlab_cli.compiled import _kernel_files
 
 PACKAGE = Path(visitlab_cli.__file__).parent
-NAMES_NUMBA = {"versions.py", "doctor.py"}  # ask for its version
+NAMES_NUMBA = {"versions.py", "doctor.py", "stopping.py"}  # ask for its version, or whether it is compiling
 PLAYER = Path(__file__).parents[1] / "world" / "package_log.py"
 
 EDITS = [
