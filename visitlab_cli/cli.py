@@ -30,7 +30,7 @@ from visitlab_cli.commands import eval as eval_command
 from visitlab_cli.commands.options import NoColor
 from visitlab_cli.commands.program import Program
 from visitlab_cli.errors import Interrupted, NotFoundError, RunError, VisitlabError
-from visitlab_cli.stopping import end_at_once, interruptible, was_asked
+from visitlab_cli.stopping import interruptible, was_asked
 
 app = typer.Typer(
     cls=Program,
@@ -83,12 +83,11 @@ def main() -> None:
     with interruptible():
         try:
             _run()
-        except (Exception, KeyboardInterrupt) as error:
-            if isinstance(error, Exception) and not was_asked():
+        except BaseException as error:
+            failed = isinstance(error, SystemExit) and error.code  # and has said so
+            if failed or not (was_asked() or isinstance(error, KeyboardInterrupt)):
                 raise
-            with contextlib.suppress(OSError):
-                sys.stdout.flush()
-            end_at_once()
+            _end("interrupted", Interrupted.exit_code)
 
 
 def _run() -> None:

@@ -1,8 +1,7 @@
 """Being asked to end: by which signals, all treated as Ctrl-C is, and so that it is never lost.
 
-Python drops an exception that is raised in a destructor, or where C code calls back, as the compiler does. So the
-wish is remembered, and an interruption that was dropped comes again. A compiler that an exception has left midway
-may crash when the program is torn down: an interrupted program ends without that.
+Python drops an exception that is raised in a destructor, or where C code calls back, and the compiler crashes after
+one that leaves it midway. So the wish is remembered, and comes again until the exception can be raised and is heard.
 """
 
 import os
@@ -13,8 +12,9 @@ from contextlib import contextmanager, suppress
 from types import FrameType
 from typing import Any, NoReturn
 
-AGAIN_AFTER = 0.02
-"""Seconds after which an interruption that was dropped comes again."""
+AGAIN_AFTER = 0.005
+"""Seconds after which an interruption that was put off or dropped comes again."""
+COMPILER = ("numba.", "llvmlite.")
 EXIT_CODE = 130
 
 _asked = False
@@ -76,16 +76,31 @@ def check_asked() -> None:
         raise KeyboardInterrupt
 
 
-def _interrupt(number: int, frame: FrameType | None) -> NoReturn:
+def _interrupt(number: int, frame: FrameType | None) -> None:
     global _asked
     if _nothing_to_lose:
         end_at_once()
     _asked = True
-    raise KeyboardInterrupt
+    if _compiles(frame):
+        _come_again()
+    else:
+        raise KeyboardInterrupt
+
+
+def _compiles(frame: FrameType | None) -> bool:
+    while frame is not None:
+        if str(frame.f_globals.get("__name__")).startswith(COMPILER):
+            return True
+        frame = frame.f_back
+    return False
 
 
 def _unraisable(dropped: Any) -> None:
     if issubclass(dropped.exc_type, KeyboardInterrupt):
-        signal.setitimer(signal.ITIMER_REAL, AGAIN_AFTER)
+        _come_again()
     else:
         sys.__unraisablehook__(dropped)
+
+
+def _come_again() -> None:
+    signal.setitimer(signal.ITIMER_REAL, AGAIN_AFTER)

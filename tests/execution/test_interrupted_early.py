@@ -66,6 +66,24 @@ def test_an_interruption_that_was_dropped_comes_again(call_back):
         stopping.check_asked()
 
 
+COMPILES = """
+def compiles():
+    signal.raise_signal(signal.SIGINT)
+    time.sleep(0.1)
+    ended.append(True)
+"""
+
+
+def test_the_compiler_is_not_left_midway():
+    ended = []
+    scope = {"__name__": "numba.core.compiler", "signal": signal, "time": time, "ended": ended}
+    exec(COMPILES, scope)
+    with pytest.raises(KeyboardInterrupt), stopping.interruptible():
+        scope["compiles"]()
+        time.sleep(10)
+    assert ended
+
+
 def test_other_dropped_exceptions_are_told(call_back, capfd):
     with stopping.interruptible():
         call_back(lambda: 1 / 0)()
@@ -73,14 +91,15 @@ def test_other_dropped_exceptions_are_told(call_back, capfd):
     assert "ZeroDivisionError" in capfd.readouterr().err
 
 
-def test_an_interruption_that_broke_the_command_is_no_bug(tmp_path):
+@pytest.mark.parametrize("end", ["raise ValueError('object not compiled yet')", "sys.exit(0)"])
+def test_an_interruption_that_came_to_nothing_is_told_at_the_end(end):
     program = (
         "import ctypes, signal, sys\n"
         "from visitlab_cli import cli\n"
-        "def broken(**_):\n"
+        "def ends(**_):\n"
         "    ctypes.CFUNCTYPE(None)(lambda: signal.raise_signal(signal.SIGINT))()\n"
-        "    raise ValueError('object not compiled yet')\n"
-        "cli.app = broken\n"
+        f"    {end}\n"
+        "cli.app = ends\n"
         "cli.main()\n"
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
