@@ -7,6 +7,7 @@ import pytest
 
 from tests.analysis.runs_by_hand import open_lab, reach
 from tests.report.parsed import Parsed
+from visitlab_cli.analysis.pairs import Side
 from visitlab_cli.analysis.results import Result
 from visitlab_cli.config.loading import load_text
 from visitlab_cli.report.best_trial import best_trials
@@ -36,7 +37,9 @@ def hostile(report):
         for line in facts.summaries
     ]
     expected = {line.group.path: Result(HOSTILE, HOSTILE, 1, 1, 1.0, 1.0, 0.1) for line in lines}
-    facts = facts._replace(name=HOSTILE, summaries=lines, expected=expected, versions={HOSTILE: [HOSTILE]})
+    side = Side(HOSTILE, 1.0, 2)
+    pairs = [pair._replace(where=HOSTILE, measure=HOSTILE, first=side, second=side) for pair in facts.pairs]
+    facts = facts._replace(name=HOSTILE, summaries=lines, expected=expected, pairs=pairs, versions={HOSTILE: [HOSTILE]})
     charts = [
         chart._replace(title=HOSTILE, y=HOSTILE, curves=[curve._replace(name=HOSTILE) for curve in chart.curves])
         for chart in report.charts
@@ -71,6 +74,26 @@ def test_it_tells_what_was_run_and_what_came_out(tiny_run, tiny_page):
     assert (tiny_run / "config.yaml").read_text() in "".join(parsed.words)
     for name, version in read_versions(tiny_run).items():
         assert f"{name} {version}" in " ".join(parsed.words)
+
+
+def test_agents_are_compared_two_by_two(tmp_path):
+    run, cells = open_lab(tmp_path)
+    reach(
+        run,
+        cells,
+        {f"navigation/{agent}/seed-000{seed}": n + seed for agent, n in (("mb", 1), ("mf", 11)) for seed in (0, 1, 2)},
+    )
+    words = " ".join(Parsed(render(*gather(run))).words)
+    assert "Agents compared" in words
+    assert "mf less mb" in words
+    assert "+10.00 ± 2.27" in words  # 2.776 (4 degrees of freedom) times the root of 2/3
+    assert "3 independent" in words
+
+
+def test_nothing_is_compared_where_nothing_differs(tmp_path):
+    run, cells = open_lab(tmp_path)
+    reach(run, cells, {"navigation/mb/seed-0000": 1})
+    assert "Agents compared" not in render(*gather(run))
 
 
 def test_the_config_that_it_shows_is_the_same_run_again(tiny_run, tiny_page):

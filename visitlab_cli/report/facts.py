@@ -2,6 +2,7 @@
 
 from typing import NamedTuple
 
+from visitlab_cli.analysis.pairs import Pair
 from visitlab_cli.analysis.results import Result
 from visitlab_cli.analysis.summary import Summary
 from visitlab_cli.config.model import Config
@@ -11,7 +12,7 @@ from visitlab_cli.execution.cells import Cell
 class Facts(NamedTuple):
     """A run: `expected` by the path of a group, `versions` by name all that its cells were made with.
 
-    `evaluated` is what visits with options of their own reached.
+    `evaluated` is what visits with options of their own reached, `pairs` how agents differ.
     """
 
     name: str
@@ -19,6 +20,7 @@ class Facts(NamedTuple):
     cells: list[Cell]
     summaries: list[Summary]
     evaluated: list[Summary]
+    pairs: list[Pair]
     expected: dict[str, Result]
     versions: dict[str, list[str]]
 

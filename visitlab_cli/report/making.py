@@ -5,10 +5,11 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from visitlab_cli.analysis.evaluated import evaluated
+from visitlab_cli.analysis.pairs import AGENT, Pair, compare_by
 from visitlab_cli.analysis.results import Result, results
 from visitlab_cli.analysis.summary import summaries
 from visitlab_cli.config.model import Config
-from visitlab_cli.errors import RunError, UsageError
+from visitlab_cli.errors import NotFoundError, RunError, UsageError
 from visitlab_cli.execution.cells import Cell, plan
 from visitlab_cli.report.best_trial import best_trials
 from visitlab_cli.report.curves import Chart, charts_of
@@ -42,8 +43,15 @@ def gather(run: Path) -> Report:
     groups = [line.group for line in lines]
     played = [line for those in evaluated(run, config).values() for line in summaries(run, those)]
     expected, versions = _expected(run, config, cells), _versions(run, cells)
-    facts = Facts(run_name(config), config, cells, lines, played, expected, versions)
+    facts = Facts(run_name(config), config, cells, lines, played, _pairs(run, cells), expected, versions)
     return Report(facts, charts_of(run, groups), best_trials(run, groups))
+
+
+def _pairs(run: Path, cells: Sequence[Cell]) -> list[Pair]:
+    try:
+        return compare_by(run, cells, AGENT).pairs
+    except NotFoundError:
+        return []  # nothing that is done differs in the agent alone
 
 
 def _expected(run: Path, config: Config, cells: Sequence[Cell]) -> dict[str, Result]:

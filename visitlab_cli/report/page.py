@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from visitlab_cli.report.curves import Chart
+from visitlab_cli.report.differences import differences
 from visitlab_cli.report.facts import Facts
 from visitlab_cli.report.markup import Html, element
 from visitlab_cli.report.results_table import results
@@ -30,21 +31,29 @@ BEGINNING = "<!doctype html>\n<!-- a report of visitlab -->\n"
 HERE = Path(__file__).parent
 STYLES = ("page.css", "parts.css")
 SCRIPTS = ("page.js", "chart.js", "lab.js", "player.js")
-SECTIONS = {"run": "What was run", "results": "Results", "curves": "Learning curves", "trial": "Best trial"}
+SECTIONS = {
+    "run": "What was run",
+    "results": "Results",
+    "differences": "Agents compared",
+    "curves": "Learning curves",
+    "trial": "Best trial",
+}
 _ESCAPES = {"<": "\\u003c", ">": "\\u003e", "&": "\\u0026"}
 
 
 def render(facts: Facts, curves: Sequence[Chart], trials: Sequence[dict[str, Any]]) -> str:
     """The page of a run."""
     style, script = _joined(STYLES), _joined(SCRIPTS)
+    titles = {name: title for name, title in SECTIONS.items() if name != "differences" or facts.pairs}
     body = element(
         "body",
         element("a", "Skip to the results", class_="skip", href="#results"),
-        head(facts, SECTIONS | {"repeat": "Repeat it"}),
+        head(facts, titles | {"repeat": "Repeat it"}),
         element(
             "main",
             what_was_run(facts, SECTIONS["run"]),
             results(facts, SECTIONS["results"]),
+            differences(facts, SECTIONS["differences"]),
             charts(curves, SECTIONS["curves"]),
             trial(facts, trials, SECTIONS["trial"]),
             repeat(facts),
