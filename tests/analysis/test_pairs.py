@@ -112,6 +112,31 @@ def test_visits_that_differ_in_more_are_not_compared(tmp_path):
         compare_by(*with_another_visit(tmp_path, trials=21), "agent")
 
 
+def test_agents_whose_visits_both_depend_on_what_varies_are_compared_at_each_value(tmp_path):
+    more = ANOTHER_VISIT.format(trials=20, social="social/mf/slow") + "vary: {agents.mb.epsilon: [0.1, 0.2]}\n"
+    run, cells = open_lab(tmp_path, more=more, agents_of_social="mb, mf")  # both go to the human with mb
+    at = "agents.mb.epsilon="
+    done = {f"{name}/slow/{at}{e}": [e, 2 * e] for name in ("visit", "visit_mf") for e in (0.1, 0.2)}
+    plan = reach(run, cells, {path: n for where, numbers in done.items() for path, n in values(where, numbers).items()})
+    compared = compare_by(run, plan, "agent")
+    assert [(pair.where, pair.first.name, pair.second.name) for pair in compared.pairs] == [
+        (f"visit/visit_mf slow {at}0.1", "mb", "mf"),
+        (f"visit/visit_mf slow {at}0.2", "mb", "mf"),
+    ]
+    assert compared.alone == []
+
+
+def test_humans_whose_visits_both_depend_on_what_varies_are_compared_at_each_value(tmp_path):
+    run, cells = open_lab(tmp_path, more="vary: {humans.slow.p_A: [0, 0.5]}\n")  # the module was trained with slow
+    at = "humans.slow.p_A="
+    done = {f"visit/{human}/{at}{p}": [p, 2 * p] for human in ("slow", "fast") for p in (0.0, 0.5)}
+    plan = reach(run, cells, {path: n for where, numbers in done.items() for path, n in values(where, numbers).items()})
+    assert [(pair.where, pair.first.name, pair.second.name) for pair in compare_by(run, plan, "human").pairs] == [
+        (f"visit mb {at}0.0", "slow", "fast"),
+        (f"visit mb {at}0.5", "slow", "fast"),
+    ]
+
+
 @pytest.mark.parametrize("key", ["agent", "experiments.visit.modules.social"])
 def test_a_social_module_that_varies(tmp_path, key):
     vary = "vary: {experiments.visit.modules.social: [social/mb/slow, social/mf/slow]}\n"

@@ -75,13 +75,17 @@ class Compared(NamedTuple):
 
 
 class _Member(NamedTuple):
-    """A group as one of several that are `alike` but for the key, of which it has a `value`; `name` says all of it."""
+    """A group with its `value` of the key; groups are compared where `alike` is the same, and their points go together.
+
+    `own` are the paths of its point that belong to its value, `where` is the rest of its name.
+    """
 
     group: Group
     value: str
-    name: str
     alike: str
-    where: str
+    where: list[str]
+    point: dict[str, str]
+    own: set[str]
     reached: Values
 
 
@@ -103,11 +107,11 @@ def compare_by(run: Path, cells: Sequence[Cell], key: str) -> Compared:
     members = [each for group in groups if (each := _member(run, group, key)) is not None]
     pairs, paired = [], set()
     for first, second in combinations(members, 2):
-        if first.alike == second.alike and first.value != second.value:
-            experiments = dict.fromkeys((first.group.experiment, second.group.experiment))
-            where = " ".join(filter(None, ("/".join(experiments), first.where)))
-            sides = (first.name, first.reached), (second.name, second.reached)
-            pairs.append(_pair(where, first.group.measure, *sides, same_luck=True))
+        names = _names(first, second, key)
+        if names is not None:
+            where, *sides = names
+            reached = (sides[0], first.reached), (sides[1], second.reached)
+            pairs.append(_pair(where, first.group.measure, *reached, same_luck=True))
             paired |= {first.group.path, second.group.path}
     if not pairs:
         raise NotFoundError(f"{run}: nothing that is done differs in {key} alone")
@@ -143,21 +147,39 @@ def _member(run: Path, group: Group, key: str) -> _Member | None:
     reached = unit_values(run, group.cells) if value else {}
     if not reached:
         return None
-    own = {path: point.pop(path) for path in list(point) if path == key or _belongs(path, group, key)}
-    name = " ".join([value, *(f"{path}={own[path]}" for path in own if path != key)])
-    rest = [] if key == HUMAN else [group.human]
-    if not (key == AGENT or _chooses_social(key, group)):
-        rest.insert(0, group.agent)
-    rest = [*filter(None, rest), *(f"{path}={point[path]}" for path in point)]
-    where = " ".join(rest)
-    settings = group.cells[0].settings
+    implied = key == AGENT or _chooses_social(key, group)
+    where = [*([] if implied else [group.agent]), *([] if key == HUMAN or not group.human else [group.human])]
+    settings, experiment = group.cells[0].settings, group.experiment
     if key == AGENT and isinstance(settings, Visit):
         anyone = module(settings.modules.social)._replace(agent="*")
         modules = settings.modules.model_copy(update={"social": "/".join(filter(None, anyone))})
-        rest.insert(0, settings.model_copy(update={"modules": modules, "humans": ()}).model_dump_json())
-    else:
-        rest.insert(0, group.experiment)
-    return _Member(group, value, name, " ".join(rest), where, reached)
+        experiment = settings.model_copy(update={"modules": modules, "humans": ()}).model_dump_json()
+    own = {path for path in point if path == key or _belongs(path, group, key)}
+    return _Member(group, value, " ".join([experiment, *where]), where, point, own, reached)
+
+
+def _names(first: _Member, second: _Member, key: str) -> tuple[str, str, str] | None:
+    """Where two groups are compared, and what each is called there; None where more than the key differs.
+
+    A path that both depend on has the same value in both, unless it is what they are compared by; one that only one
+    of them depends on belongs to its value of the key.
+    """
+    if first.alike != second.alike or first.value == second.value:
+        return None
+    common = [path for path in first.point if path in second.point]
+    compared = {path for path in common if path == key or (key == AGENT and _chooses_social(path, first.group))}
+    differ = any(first.point[path] != second.point[path] for path in common if path not in compared)
+    alone = [{path for path in each.point if path not in common} - each.own for each in (first, second)]
+    if differ or any(alone):
+        return None
+    experiments = "/".join(dict.fromkeys((first.group.experiment, second.group.experiment)))
+    same = [f"{path}={first.point[path]}" for path in common if path not in compared]
+    shown = [[p for p in each.point if p != key and (p not in common or p in compared)] for each in (first, second)]
+    one, other = (
+        " ".join([each.value, *(f"{path}={each.point[path]}" for path in paths)])
+        for each, paths in zip((first, second), shown, strict=True)
+    )
+    return " ".join([experiments, *first.where, *same]), one, other
 
 
 def _belongs(path: str, group: Group, key: str) -> bool:
