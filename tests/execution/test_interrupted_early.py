@@ -37,6 +37,19 @@ def test_while_the_compiler_is_at_work(tmp_path, delay, number):
     assert (program.returncode, stdout, stderr) == (130, "", "interrupted\n")
 
 
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+@pytest.mark.parametrize("delay", [0, 0.15, 0.3, 0.45])
+def test_all_processes_are_signalled_while_the_workers_start(tiny_run, tmp_path, delay, number):
+    program = start("run", TINY, "--out", tmp_path / "runs", "--workers", 2)  # tiny_run: the compiler has been at work
+    assert any("cells to do" in line for line in program.stderr)
+    time.sleep(delay)
+    os.killpg(program.pid, number)
+    _, stderr = program.communicate(timeout=60)
+    assert program.returncode == 130, stderr
+    assert stderr.splitlines()[-1].startswith("interrupted")
+    assert "Traceback" not in stderr
+
+
 @pytest.mark.parametrize("name", ["typer", "visitlab_cli.commands.running", "visitlab_cli.execution.warm_up"])
 def test_while_the_program_is_imported(tmp_path, name):
     arguments = ["train", TINY, NAVIGATION, "--out", tmp_path, "--quiet"]

@@ -7,6 +7,8 @@ stop travel in shared memory without locks, so that a killed worker can block no
 import ctypes
 import multiprocessing
 import multiprocessing.connection
+import multiprocessing.forkserver
+import multiprocessing.resource_tracker
 import os
 import signal
 import threading
@@ -46,6 +48,7 @@ class Workers:
         if self.count == 1:
             return ThreadPoolExecutor(1, initializer=_begin_thread, initargs=(self._shared,))
         self._context.set_forkserver_preload(["visitlab_cli.execution.cell_runner"])
+        _start_servers()
         return ProcessPoolExecutor(
             self.count, mp_context=self._context, initializer=_begin_process, initargs=(self._shared,)
         )
@@ -75,6 +78,20 @@ class Workers:
             self._executor.shutdown(wait=True, cancel_futures=True)
 
 
+def _start_servers() -> None:
+    """Start what starts the workers, deaf to the signals that a terminal sends to all; the workers inherit that."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, ())
+    try:
+        for ensure_running in (
+            multiprocessing.resource_tracker.ensure_running,
+            multiprocessing.forkserver.ensure_running,
+        ):
+            signal.pthread_sigmask(signal.SIG_BLOCK, ending_signals())  # each time: the tracker's start unblocks some
+            ensure_running()
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
 def _begin_thread(shared: Any) -> None:
     global _shared
     _shared = shared
@@ -85,6 +102,7 @@ def _begin_process(shared: Any) -> None:
     for number in ending_signals():
         ours = number == signal.SIGTERM  # of what a terminal sends to all the parent decides, in shared memory
         signal.signal(number, signal.SIG_DFL if ours else signal.SIG_IGN)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, ending_signals())
     parent = multiprocessing.parent_process()
     assert parent is not None
     threading.Thread(target=_end_with, args=(parent.sentinel,), daemon=True).start()
