@@ -157,7 +157,9 @@ def test_two_runs_are_paired_where_their_random_numbers_are_the_same(tmp_path):
     for seed, paired in ((0, True), (1, False)):
         second, other = open_lab(tmp_path, seed=seed, more="interaction: {distances: [1, 2, 3, 5]}\n")
         their_plan = reach(second, other, values("navigation/mb", [2, 7, 12]))
-        (pair,) = compare_runs((first, plan), (second, their_plan))
+        compared = compare_runs((first, plan), (second, their_plan))
+        (pair,) = compared.pairs
+        assert compared.alone == [f"{first.name}/social/mb/slow"]
         assert (pair.where, pair.first.name, pair.second.name) == ("navigation/mb", first.name, second.name)
         assert (pair.paired, pair.difference.mean) == (paired, 2.0)
         assert (pair.difference.half < 3) == paired

@@ -41,7 +41,9 @@ def recorded(run, agent, at=""):
 def test_a_selector_looks_at_all_seeds(run, choose, word, best):
     found, rewards = choose(word, agent="mb"), recorded(run, "mb")
     assert (found.log.cell, found.trial) == best(rewards, key=rewards.get)
-    assert found.note == f"the {word} trial of 3 cells is {found.log.cell}, trial {found.trial}"
+    ties = list(rewards.values()).count(rewards[found.log.cell, found.trial])
+    equals = f", one of {ties} with the same reward" if ties > 1 else ""
+    assert found.note == f"the {word} trial of 3 cells is {found.log.cell}, trial {found.trial}{equals}"
     by_file = choose_trial(find_logs(str(found.log.path), run.parent, Selection()), word)
     assert by_file.trial == found.trial
 

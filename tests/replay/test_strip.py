@@ -64,6 +64,17 @@ def test_what_the_human_sees_stays_in_the_panel(trial_of, task):
         assert inside.y0 <= clipped.y0 < clipped.y1 <= inside.y1
 
 
+@pytest.mark.parametrize("panels", [1, 2, 3])
+def test_the_key_fits_under_few_panels(trial_of, panels):
+    pytest.importorskip("matplotlib")
+    figure = draw_strip(trial_of("visit"), list(range(panels)))
+    figure.canvas.draw()
+    (key,) = figure.legends
+    box = key.get_window_extent()
+    assert figure.bbox.x0 <= box.x0 < box.x1 <= figure.bbox.x1
+    assert figure.bbox.y0 <= box.y0 < box.y1 < min(axes.bbox.y0 for axes in figure.axes)
+
+
 def test_another_ending(trial_of, tmp_path):
     with pytest.raises(UsageError) as error:
         save_strip(trial_of("visit"), tmp_path / "strip.gif")

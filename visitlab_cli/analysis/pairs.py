@@ -68,7 +68,7 @@ class Pair(NamedTuple):
 
 
 class Compared(NamedTuple):
-    """All pairs of a run, and the paths of the finished groups that differ from no other in the key alone."""
+    """All pairs, and the paths of the finished groups that are in none."""
 
     pairs: list[Pair]
     alone: list[str]
@@ -118,15 +118,15 @@ def compare_by(run: Path, cells: Sequence[Cell], key: str) -> Compared:
     return Compared(pairs, [each.group.path for each in members if each.group.path not in paired])
 
 
-def compare_runs(first: tuple[Path, Sequence[Cell]], second: tuple[Path, Sequence[Cell]]) -> list[Pair]:
-    """Every condition that two runs, each with its plan, both have finished cells of.
+def compare_runs(first: tuple[Path, Sequence[Cell]], second: tuple[Path, Sequence[Cell]]) -> Compared:
+    """Every condition that two runs, each with its plan, both have finished cells of; `alone` are those of one only.
 
     Raises:
         NotFoundError: there is none.
     """
-    theirs = {group.path: group for group in groups_of(second[1])}
+    groups, theirs = groups_of(first[1]), {group.path: group for group in groups_of(second[1])}
     pairs = []
-    for group in groups_of(first[1]):
+    for group in groups:
         other = theirs.get(group.path)
         if other is None or other.cells[0].task != group.cells[0].task:
             continue
@@ -137,7 +137,10 @@ def compare_runs(first: tuple[Path, Sequence[Cell]], second: tuple[Path, Sequenc
             pairs.append(_pair(group.path, group.measure, *sides, same_luck=same_luck))
     if not pairs:
         raise NotFoundError(f"{first[0]} and {second[0]}: have no finished experiment, agent and human in common")
-    return pairs
+    both = {pair.where for pair in pairs}
+    done = [(run, each) for run, of_run in ((first[0], groups), (second[0], theirs.values())) for each in of_run]
+    alone = [f"{run.name}/{each.path}" for run, each in done if each.path not in both and unit_values(run, each.cells)]
+    return Compared(pairs, alone)
 
 
 def _member(run: Path, group: Group, key: str) -> _Member | None:

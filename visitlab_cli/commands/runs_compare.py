@@ -23,11 +23,14 @@ def tell_by(folder: Path, key: str, as_json: bool) -> None:
     from visitlab_cli.storage.run_folder import read_config
 
     compared = compare_by(folder, plan(read_config(folder)), key)
-    alone = compared.alone
+    notes = _left_out(f"nothing differs from it in {key} alone", compared.alone)
+    told = {"run": str(folder), "by": key, "not_compared": compared.alone}
+    _tell(told, compared.pairs, notes, as_json)
+
+
+def _left_out(reason: str, alone: list[str]) -> list[str]:
     more = f" and {len(alone) - MOST_NAMED} more" if len(alone) > MOST_NAMED else ""
-    notes = [f"Not compared, nothing differs from it in {key} alone: {', '.join(alone[:MOST_NAMED])}{more}."]
-    told = {"run": str(folder), "by": key, "not_compared": alone}
-    _tell(told, compared.pairs, notes if alone else [], as_json)
+    return [f"Not compared, {reason}: {', '.join(alone[:MOST_NAMED])}{more}."] if alone else []
 
 
 def tell_runs(first: Path, second: Path, as_json: bool) -> None:
@@ -40,10 +43,12 @@ def tell_runs(first: Path, second: Path, as_json: bool) -> None:
 
     configs = [read_config(run) for run in (first, second)]
     ours, theirs = [(run, plan(config)) for run, config in zip((first, second), configs, strict=True)]
-    pairs = compare_runs(ours, theirs)
+    compared = compare_runs(ours, theirs)
     changes = differences(hashed(configs[0]), hashed(configs[1]))
     told = {"first": str(first), "second": str(second), "config": [each.as_json("first", "second") for each in changes]}
-    _tell(told, pairs, [f"in {second.name} {in_words(changes)}"] if changes else [], as_json)
+    notes = _left_out("the other run has none of that name", compared.alone)
+    notes += [f"in {second.name} {in_words(changes)}"] if changes else []
+    _tell({**told, "not_compared": compared.alone}, compared.pairs, notes, as_json)
 
 
 def _tell(told: dict[str, Any], pairs: "list[Pair]", notes: list[str], as_json: bool) -> None:

@@ -137,18 +137,21 @@ def choose_trial(logs: Logs, word: str) -> Chosen:
         return Chosen(log, int(word), note)
     if word not in SELECTORS:
         raise UsageError(f"--trial {printable(word)}: must be a number or one of {', '.join(SELECTORS)}")
+    ties = 1
     if word == LONGEST_ENGAGEMENT:
         lengths, numbers = zip(*(_longest_engaged(each.path) for each in logs.first), strict=True)
         place = int(np.argmax(lengths))
         log, number = logs.first[place], numbers[place]
     else:
-        log, number = _by_reward(logs.first, word)
+        log, number, ties = _by_reward(logs.first, word)
     among = f" of {len(logs.first)} cells" if len(logs.first) > 1 else ""
     rest = f"; {len(logs.others)} of other experiments were not looked at; {CHOOSE}" if logs.others else ""
-    return Chosen(log, number, f"the {word} trial{among} is {log.cell}, trial {number}{rest}")
+    equals = f", one of {ties:,} with the same reward" if ties > 1 else ""
+    return Chosen(log, number, f"the {word} trial{among} is {log.cell}, trial {number}{equals}{rest}")
 
 
-def _by_reward(logs: Sequence[Log], word: str) -> tuple[Log, int]:
+def _by_reward(logs: Sequence[Log], word: str) -> tuple[Log, int, int]:
+    """The trial in question, and how many have the same reward."""
     tables = [log.trials() for log in logs]
     rewards = np.concatenate([rewards for _, rewards in tables])
     if not len(rewards):
@@ -158,7 +161,7 @@ def _by_reward(logs: Sequence[Log], word: str) -> tuple[Log, int]:
     place = {BEST: best, WORST: int(order[0]), MEDIAN: int(order[(len(order) - 1) // 2])}[word]
     of_log = np.repeat(np.arange(len(logs)), [len(numbers) for numbers, _ in tables])
     numbers = np.concatenate([numbers for numbers, _ in tables])
-    return logs[of_log[place]], int(numbers[place])
+    return logs[of_log[place]], int(numbers[place]), int(np.count_nonzero(rewards == rewards[place]))
 
 
 def _longest_engaged(path: Path) -> tuple[int, int]:

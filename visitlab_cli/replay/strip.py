@@ -31,8 +31,8 @@ if TYPE_CHECKING:
 COLUMNS = 4
 PANEL, TITLE, GAP = 1.72, 0.3, 0.06
 """In inches: the side of a panel, the height of its title, what lies between; four fill a page of two columns."""
-KEY_LINE, KEY_ENTRY = 0.2, 0.9
-"""In inches: what explaining a colour takes, below the panels."""
+KEY_LINE, KEY_ENTRY, KEY_LETTER = 0.2, 0.35, 0.052
+"""In inches: the height of a line that explains colours, what an entry takes there beside its letters, and a letter."""
 FONT_SIZE = 6.5
 PIXELS_PER_INCH = 300
 FORMATS: dict[str, dict[str, Any]] = {".png": {}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
@@ -70,7 +70,8 @@ def draw_strip(trial: Trial, steps: Sequence[int]) -> "Figure":
     rows = -(-len(steps) // columns)
     width = columns * (PANEL + GAP) + GAP
     handles = _key(trial)
-    entries = min(len(handles), int(width / KEY_ENTRY))
+    widest = KEY_ENTRY + KEY_LETTER * max(len(handle.get_label()) for handle in handles)
+    entries = min(len(handles), max(1, int(width / widest)))
     key = KEY_LINE * -(-len(handles) // entries)
     height = rows * (PANEL + TITLE + GAP) + GAP + key
     figure = Figure(figsize=(width, height))

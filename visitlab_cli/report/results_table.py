@@ -16,6 +16,7 @@ NOTE = (
     "Mean over n independent seeds of the last tenth of trials, with its 95% interval (Student's t) and their median; "
     f"steps until a hundredth of the trials first has {LEVEL:.0%} of the mean, median over cells."
 )
+FROZEN = " Frozen, the mean is of all trials."
 UNKNOWN = "–"
 
 
@@ -44,7 +45,8 @@ def results(facts: Facts, title: str) -> Html:
         *bodies,
         class_="numbers",
     )
-    return section("results", title, element("p", NOTE, class_="note"), table)
+    frozen = FROZEN if any(line.group.evaluation.frozen for line in lines) else ""
+    return section("results", title, element("p", NOTE + frozen, class_="note"), table)
 
 
 def _title(line: Summary) -> str:

@@ -75,12 +75,14 @@ def _experiment(facts: Facts, name: str, settings: Experiment) -> Html:
     else:
         agents = [_agent(facts.config, each) for each in settings.agents]
         length = f"{counted(settings.steps, 'step')} in trials of {settings.trial_steps:,}"
+    start = getattr(settings, "start_from", None)
+    about = TASKS[settings.task] + (f"; goes on from {start}" if start else "")
     humans = getattr(settings, "humans", ())
     lines = [line for line in facts.summaries if line.group.experiment == name]
     cells = f"{sum(line.done for line in lines):,} of {sum(len(line.group.cells) for line in lines):,}"
     return element(
         "tr",
-        element("th", breakable(name), element("small", TASKS[settings.task]), scope="row"),
+        element("th", breakable(name), element("small", breakable(about)), scope="row"),
         element("td", *_listed(agents), data_label="Modules" if isinstance(settings, Visit) else "Agents"),
         element("td", *_listed(humans or ["none"]), data_label="Humans"),
         element("td", length, data_label="Length"),
