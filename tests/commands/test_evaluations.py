@@ -59,6 +59,7 @@ def test_damage_is_named_and_mended_by_the_same_eval(run):
         f"{CELL}/model.npz: missing",
         f"{PLAYED.folder}evaluation.json: missing or damaged",
     ]
+    assert "not in the plan" not in done.stdout
     mend = "what is damaged of evaluations/ counts as missing now; mend it with the same visitlab eval"
     assert done.stderr == f"{run}: {mend}\n"
     assert visitlab("eval", run, *OPTIONS).returncode == 0

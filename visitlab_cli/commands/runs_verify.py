@@ -52,7 +52,9 @@ def command(
     failed = {} if dry_run else set_faults_aside(folder, checked.faults)
     doubtful = any(fault.file == CONFIG and not fault.cell for fault in checked.faults)
     absent = [] if doubtful else sorted({cell.path for cell in planned} - set(checked.found))
-    noted = list(notes(folder, checked.found, None if doubtful else {cell.path for cell in [*planned, *played]}))
+    known = {cell.path for cell in [*planned, *played]}
+    known |= {path for path in checked.found if any(path.startswith(f"{fault.cell}/") for fault in options)}
+    noted = list(notes(folder, checked.found, None if doubtful else known))
     if as_json:
         told = {
             "run": str(folder),

@@ -67,9 +67,10 @@ def record_evaluation(run: Path, evaluation: Evaluation) -> None:
 
 
 def recorded_evaluations(run: Path) -> list[Evaluation]:
-    """The evaluations of a run, by their folders' names; without those whose file does not fit its folder."""
-    files = sorted(run.glob(f"{FOLDER}/*/{OPTIONS}"))
-    return [found for file in files if (found := _read(file)) is not None]
+    """The evaluations of a run, those of a module together; without those whose file does not fit its folder."""
+    files = run.glob(f"{FOLDER}/*/{OPTIONS}")
+    found = [each for file in files if (each := _read(file)) is not None]
+    return sorted(found, key=lambda each: (each.social, not each.frozen, each.trials or 0, each.humans))
 
 
 def unknown_evaluations(run: Path) -> list[str]:

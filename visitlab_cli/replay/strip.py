@@ -31,8 +31,8 @@ if TYPE_CHECKING:
 COLUMNS = 4
 PANEL, TITLE, GAP = 1.72, 0.3, 0.06
 """In inches: the side of a panel, the height of its title, what lies between; four fill a page of two columns."""
-KEY_LINE, KEY_ENTRY, KEY_LETTER = 0.2, 0.35, 0.052
-"""In inches: the height of a line that explains colours, what an entry takes there beside its letters, and a letter."""
+KEY_GAP, KEY_LINE, KEY_ENTRY, KEY_LETTER = 0.06, 0.14, 0.35, 0.052
+"""In inches: what is above the lines that explain colours, the height of one, an entry but its letters, a letter."""
 FONT_SIZE = 6.5
 PIXELS_PER_INCH = 300
 FORMATS: dict[str, dict[str, Any]] = {".png": {}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
@@ -70,9 +70,9 @@ def draw_strip(trial: Trial, steps: Sequence[int]) -> "Figure":
     rows = -(-len(steps) // columns)
     width = columns * (PANEL + GAP) + GAP
     handles = _key(trial)
-    widest = KEY_ENTRY + KEY_LETTER * max(len(handle.get_label()) for handle in handles)
-    entries = min(len(handles), max(1, int(width / widest)))
-    key = KEY_LINE * -(-len(handles) // entries)
+    widths = [KEY_ENTRY + KEY_LETTER * len(handle.get_label()) for handle in handles]
+    entries = len(handles) if sum(widths) <= width else min(len(handles), max(1, int(width / max(widths))))
+    key = KEY_GAP + KEY_LINE * -(-len(handles) // entries)
     height = rows * (PANEL + TITLE + GAP) + GAP + key
     figure = Figure(figsize=(width, height))
     grid = figure.subplots(rows, columns, squeeze=False)
