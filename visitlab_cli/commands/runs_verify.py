@@ -14,8 +14,6 @@ if TYPE_CHECKING:
     from visitlab_cli.config.model import Config
     from visitlab_cli.storage.verify import Fault
 
-EVALUATIONS = "evaluations/"
-
 
 def command(
     run: Run,
@@ -32,8 +30,9 @@ def command(
     from visitlab_cli.analysis.evaluated import evaluated
     from visitlab_cli.errors import RunError, VisitlabError
     from visitlab_cli.execution.cells import plan
-    from visitlab_cli.execution.evaluation import OPTIONS, unknown_evaluations
+    from visitlab_cli.execution.evaluation import unknown_evaluations
     from visitlab_cli.execution.versions import versions
+    from visitlab_cli.storage.on_disk import OPTIONS
     from visitlab_cli.storage.run_folder import CONFIG, find_run, read_config
     from visitlab_cli.storage.verify import Fault, set_faults_aside, verify
     from visitlab_cli.storage.verify_notes import notes
@@ -81,10 +80,11 @@ def _what_to_do(
     run: Path, config: "Config | None", faults: "list[Fault]", failed: dict[str, str], dry_run: bool
 ) -> Iterator[str]:
     """How the damage is mended, a line for each kind of it."""
+    from visitlab_cli.storage.on_disk import EVALUATIONS
     from visitlab_cli.storage.run_folder import CONFIG, VERSIONS, run_name
 
     own = {fault.file for fault in faults if not fault.cell}
-    evaluated = {fault.cell for fault in faults if fault.cell.startswith(EVALUATIONS)}
+    evaluated = {fault.cell for fault in faults if fault.cell.startswith(f"{EVALUATIONS}/")}
     planned = {fault.cell for fault in faults if fault.cell} - evaluated
     if CONFIG in own:
         edited = "delete it and " if config is not None else ""
@@ -104,4 +104,4 @@ def _what_to_do(
             mend = f"mend it with {run_again(run)}"
         yield f"{run}: what is damaged counts as missing now; {mend}"
     if evaluated:
-        yield f"{run}: what is damaged of {EVALUATIONS} counts as missing now; mend it with the same visitlab eval"
+        yield f"{run}: what is damaged of {EVALUATIONS}/ counts as missing now; mend it with the same visitlab eval"

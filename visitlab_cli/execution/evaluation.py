@@ -8,9 +8,8 @@ from typing import Any
 
 from visitlab_cli.errors import RunError
 from visitlab_cli.storage.cell_folder import one_line, to_json
+from visitlab_cli.storage.on_disk import EVALUATIONS, OPTIONS
 from visitlab_cli.whole_file import write_whole
-
-FOLDER, OPTIONS = "evaluations", "evaluation.json"
 
 
 @dataclass(frozen=True)
@@ -32,7 +31,7 @@ class Evaluation:
         if self == AS_DECLARED:
             return ""
         options = [self.humans, self.trials, self.frozen, *([self.social] if self.social else [])]
-        return f"{FOLDER}/{hashlib.sha256(json.dumps(options).encode()).hexdigest()[:8]}/"
+        return f"{EVALUATIONS}/{hashlib.sha256(json.dumps(options).encode()).hexdigest()[:8]}/"
 
     @property
     def words(self) -> str:
@@ -68,14 +67,14 @@ def record_evaluation(run: Path, evaluation: Evaluation) -> None:
 
 def recorded_evaluations(run: Path) -> list[Evaluation]:
     """The evaluations of a run, those of a module together; without those whose file does not fit its folder."""
-    files = run.glob(f"{FOLDER}/*/{OPTIONS}")
+    files = run.glob(f"{EVALUATIONS}/*/{OPTIONS}")
     found = [each for file in files if (each := _read(file)) is not None]
     return sorted(found, key=lambda each: (each.social, not each.frozen, each.trials or 0, each.humans))
 
 
 def unknown_evaluations(run: Path) -> list[str]:
     """The folders of evaluations, below the run, whose options are missing, damaged, or those of another folder."""
-    folders = [path for path in sorted(run.glob(f"{FOLDER}/*")) if path.is_dir()]
+    folders = [path for path in sorted(run.glob(f"{EVALUATIONS}/*")) if path.is_dir()]
     return [folder.relative_to(run).as_posix() for folder in folders if _read(folder / OPTIONS) is None]
 
 
@@ -83,7 +82,7 @@ def _read(file: Path) -> Evaluation | None:
     try:
         told = json.loads(file.read_bytes())
         found = Evaluation(tuple(told["humans"]), told["trials"], told["frozen"], told["social"])
-        whole = to_json(found.as_json()) == to_json(told) and found.folder == f"{FOLDER}/{file.parent.name}/"
+        whole = to_json(found.as_json()) == to_json(told) and found.folder == f"{EVALUATIONS}/{file.parent.name}/"
     except (OSError, ValueError, KeyError, TypeError, RecursionError):
         return None
     return found if whole else None

@@ -9,6 +9,8 @@ from pathlib import Path
 
 from visitlab_cli.storage.cell_folder import DAMAGED, OF_CELLS, TEMPORARY
 
+EVALUATIONS, OPTIONS = "evaluations", "evaluation.json"
+"""The folder of what was played with options of its own, and the file of the options in each of its folders."""
 _SEED_FOLDER = re.compile(r"seed-\d+")
 
 

@@ -11,13 +11,13 @@ from typing import NamedTuple
 from visitlab_cli.config.names import RESERVED_EXPERIMENTS
 from visitlab_cli.errors import NotFoundError, RunError, UsageError, VisitlabError
 from visitlab_cli.storage.cell_folder import DAMAGED, OF_CELLS, TEMPORARY, one_line, read_cell
-from visitlab_cli.storage.on_disk import cell_folders, is_seed_folder, leftovers
+from visitlab_cli.storage.on_disk import EVALUATIONS, OPTIONS, cell_folders, is_seed_folder, leftovers
 from visitlab_cli.storage.run_folder import CONFIG, VERSIONS, hash_of_name, is_run, read_config, read_versions, run_name
 
 YOUNG = 60.0
 """Seconds in which a temporary file may still be in use."""
-FIGURES, EVALUATIONS = "figures", "evaluations"
-OF_EVALUATION = frozenset({"evaluation.json", "matrix.svg"})
+FIGURES = "figures"
+OF_EVALUATION = frozenset({OPTIONS, "matrix.svg"})
 """Files that visitlab writes, or wrote, in the folder of an evaluation."""
 
 
