@@ -18,7 +18,7 @@ from visitlab_cli.analysis.published_curves import PublishedCurve
 from visitlab_cli.analysis.variants import Variant, changes
 from visitlab_cli.execution.cells import Cell
 
-PARTS = FIRST, MIDDLE, LAST, WHOLE = ("first_tenth", "middle_tenth", "last_tenth", "whole")
+FIRST, MIDDLE, LAST, WHOLE = ("first_tenth", "middle_tenth", "last_tenth", "whole")
 UNEXPLAINED = "unexplained"
 RESTS_ON_ONE_MODEL = ("fig8_adaptation",)
 """Figures whose published ten seeds all visit with one and the same trained model."""

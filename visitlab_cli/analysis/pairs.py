@@ -150,8 +150,8 @@ def _member(run: Path, group: Group, key: str) -> _Member | None:
     reached = unit_values(run, group.cells) if value else {}
     if not reached:
         return None
-    implied = key == AGENT or _chooses_social(key, group)
-    where = [*([] if implied else [group.agent]), *([] if key == HUMAN or not group.human else [group.human])]
+    told_of_agent = key != AGENT and not _chooses_social(key, group)
+    where = [word for word, told in ((group.agent, told_of_agent), (group.human, key != HUMAN)) if word and told]
     settings, experiment = group.cells[0].settings, group.experiment
     if key == AGENT and isinstance(settings, Visit):
         anyone = module(settings.modules.social)._replace(agent="*")

@@ -29,8 +29,9 @@ def tell_by(folder: Path, key: str, as_json: bool) -> None:
 
 
 def _left_out(reason: str, alone: list[str]) -> list[str]:
-    more = f" and {len(alone) - MOST_NAMED} more" if len(alone) > MOST_NAMED else ""
-    return [f"Not compared, {reason}: {', '.join(alone[:MOST_NAMED])}{more}."] if alone else []
+    from visitlab_cli.config.problems import few
+
+    return [f"Not compared, {reason}: {few(alone, MOST_NAMED)}."] if alone else []
 
 
 def tell_runs(first: Path, second: Path, as_json: bool) -> None:

@@ -89,6 +89,12 @@ def _is_word(value: Any) -> bool:
     return value is None or isinstance(value, bool)
 
 
+def few(things: Sequence[Any], most: int) -> str:
+    """The first `most` of some things in words, and how many more there are."""
+    more = f" and {len(things) - most} more" if len(things) > most else ""
+    return ", ".join(map(str, things[:most])) + more
+
+
 def nearest_name(name: str, known: Iterable[str]) -> str | None:
     """The known name that `name` is probably a slip of."""
     by_lower = {other.lower(): other for other in reversed(list(known))}

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from visitlab_cli.config.grid import value_in_words
-from visitlab_cli.config.problems import or_else, printable
+from visitlab_cli.config.problems import few, or_else, printable
 from visitlab_cli.errors import NotFoundError, UsageError
 from visitlab_cli.execution.cells import Cell
 
@@ -59,7 +59,7 @@ class Selection:
         seeds = max(cell.seed for cell in cells)
         if self.seed is not None and self.seed > seeds:
             raise NotFoundError(f"{run}: no seed {self.seed}; its seeds are 0 to {seeds}")
-        raise NotFoundError(f"{run}: no cell with {self}; there are {named([cell.path for cell in cells])}")
+        raise NotFoundError(f"{run}: no cell with {self}; there are {few([cell.path for cell in cells], MOST_NAMED)}")
 
     def _check_at(self, run: Path, cells: Sequence[Cell], path: str, value: str) -> None:
         known = list(dict.fromkeys(value_in_words(cell.point[path]) for cell in cells if path in cell.point))
@@ -68,12 +68,6 @@ class Selection:
             raise UsageError(f"--at {path}: does not vary in {run}{or_else(path, paths) if paths else ''}")
         if not any(_same(value, words) for words in known):
             raise NotFoundError(f"{run}: never at {path}={printable(value)}; known: {', '.join(known)}")
-
-
-def named(paths: Sequence[str]) -> str:
-    """Some paths, the first few by name."""
-    more = f" and {len(paths) - MOST_NAMED} more" if len(paths) > MOST_NAMED else ""
-    return ", ".join(paths[:MOST_NAMED]) + more
 
 
 def _parts(at: str) -> tuple[str, str]:

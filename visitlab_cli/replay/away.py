@@ -10,11 +10,8 @@ from visitlab_cli.replay.stage import Line, Stage
 from visitlab_cli.replay.trial import Trial, Vectors
 from visitlab_cli.story import ROBOT
 
-INSET = 1.2
-"""How far from the edge a sign ends, in cells."""
-LENGTH = 2.4
-HEIGHT = 1.1
-"""Of the sign's number, in cells."""
+INSET, LENGTH, HEIGHT = 1.2, 2.4, 1.1
+"""In cells: how far from the edge a sign ends, its arrow's length, the height of its number."""
 ORDER = 40.0
 
 

@@ -8,10 +8,10 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from visitlab_cli.config.problems import printable
+from visitlab_cli.config.problems import few, printable
 from visitlab_cli.errors import NotFoundError, RunError, UsageError
 from visitlab_cli.execution.cells import Cell, plan
-from visitlab_cli.execution.selection import Selection, named
+from visitlab_cli.execution.selection import MOST_NAMED, Selection
 from visitlab_cli.recording.reader import read_steps, trials
 from visitlab_cli.storage.arrays import read_trials
 from visitlab_cli.storage.cell_folder import STEPS, TRIALS, read_cell, reason
@@ -109,8 +109,8 @@ def _done(run: Path, cells: Sequence[Cell]) -> list[Cell]:
         damaged = [cell.path for cell in cells if (run / cell.path / STEPS).exists()]
         if damaged:
             how = f"visitlab recover {run / damaged[0] / STEPS} saves what is whole of its log"
-            raise RunError(f"{run}: damaged: {named(damaged)}; running again redoes it, {how}")
-        missing = named([cell.path for cell in cells])
+            raise RunError(f"{run}: damaged: {few(damaged, MOST_NAMED)}; running again redoes it, {how}")
+        missing = few([cell.path for cell in cells], MOST_NAMED)
         raise NotFoundError(
             f"{run}: not run yet: {missing}; finish with visitlab run {run}/config.yaml --out {run.parent}"
         )

@@ -5,6 +5,8 @@ from collections.abc import Mapping, Sequence
 from enum import Enum
 from typing import Any, NamedTuple
 
+from visitlab_cli.config.problems import few
+
 MOST_DIFFERENCES = 5
 
 
@@ -56,5 +58,4 @@ def differences(first: Mapping[str, Any], second: Mapping[str, Any]) -> list[Dif
 
 def in_words(found: Sequence[Difference]) -> str:
     """The first few differences, and how many more there are."""
-    more = len(found) - MOST_DIFFERENCES
-    return ", ".join(map(str, found[:MOST_DIFFERENCES])) + (f" and {more} more" if more > 0 else "")
+    return few(found, MOST_DIFFERENCES)

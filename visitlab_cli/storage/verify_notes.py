@@ -4,6 +4,7 @@ import json
 from collections.abc import Collection, Iterator
 from pathlib import Path
 
+from visitlab_cli.config.problems import few
 from visitlab_cli.storage.cell_folder import TIMING
 from visitlab_cli.storage.removal import foreign_files
 
@@ -19,11 +20,11 @@ def notes(run: Path, found: Collection[str], planned: Collection[str] | None) ->
         planned: the paths of the cells that its config has, or an evaluation; None where the config is in doubt.
     """
     if unplanned := sorted(set(found) - set(found if planned is None else planned)):
-        yield f"not in the plan of the run's config (has it less seeds than before?): {_few(unplanned)}"
+        yield f"not in the plan of the run's config (has it less seeds than before?): {few(unplanned, MOST_NAMED)}"
     if untimed := [f"{path}/{TIMING}" for path in found if not _is_read(run / path / TIMING)]:
-        yield f"missing or damaged, which changes no result: {_few(untimed)}"
+        yield f"missing or damaged, which changes no result: {few(untimed, MOST_NAMED)}"
     if foreign := list(foreign_files(run)):
-        yield f"not visitlab's: {_few(foreign)}"
+        yield f"not visitlab's: {few(foreign, MOST_NAMED)}"
 
 
 def _is_read(file: Path) -> bool:
@@ -31,8 +32,3 @@ def _is_read(file: Path) -> bool:
         return isinstance(json.loads(file.read_bytes())["seconds"], int | float)
     except (OSError, ValueError, KeyError, TypeError, RecursionError):
         return False
-
-
-def _few(names: list[str]) -> str:
-    more = len(names) - MOST_NAMED
-    return ", ".join(names[:MOST_NAMED]) + (f" and {more} more" if more > 0 else "")
