@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from visitlab_cli.analysis.summary_estimate import difference_of, mean_of, probability_of_improvement
+from visitlab_cli.analysis.summary_estimate import Estimate, difference_of, mean_of, probability_of_improvement
 
 
 def test_a_mean_by_hand():
@@ -43,3 +43,19 @@ def test_a_difference_covers_the_truth_as_often_as_it_says():
 )
 def test_probability_of_improvement_counts_pairs(first, second, expected):
     assert probability_of_improvement(first, second) == expected
+
+
+@pytest.mark.parametrize(
+    ("estimate", "sign", "words"),
+    [
+        (Estimate(2.5, 0.25), "", "2.50 ± 0.25"),
+        (Estimate(2.5, 0.25), "+", "+2.50 ± 0.25"),
+        (Estimate(0.0006, 0.0009), "", "0.0006 ± 0.0009"),
+        (Estimate(-0.001, 0.02), "+", "+0.00 ± 0.02"),
+        (Estimate(0.0, 0.0), "", "0.00 ± 0.00"),
+        (Estimate(3.0, math.nan), "", "3.00 ± ?"),
+    ],
+)
+def test_words_show_what_two_digits_would_hide(estimate, sign, words):
+    assert estimate.in_words(sign) == words
+    assert Estimate(3.0, math.nan).in_words(unknown="") == "3.00"

@@ -7,12 +7,25 @@ from typing import Any, NamedTuple
 
 from visitlab_cli.analysis.intervals import deviation, t_quantile
 
+FINE = 0.01
+"""Half an interval below which two digits would hide the difference."""
+
 
 class Estimate(NamedTuple):
     """A mean and half the width of its interval, nan where fewer than two values leave it open."""
 
     mean: float
     half: float
+
+    def in_words(self, sign: str = "", unknown: str = " ± ?") -> str:
+        """The mean and half its interval, with four digits where two hide it; `unknown` where that is open.
+
+        `sign` is '+' where a positive mean has one.
+        """
+        if math.isnan(self.half):
+            return f"{self.mean:{sign}z.2f}{unknown}"
+        digits = 4 if 0 < self.half < FINE else 2
+        return f"{self.mean:{sign}z.{digits}f} ± {self.half:.{digits}f}"
 
     def as_json(self) -> dict[str, Any]:
         """The mean, and the interval's ends or null."""

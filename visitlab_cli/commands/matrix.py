@@ -9,7 +9,6 @@ import typer
 
 from visitlab_cli.commands.optimum import aligned
 from visitlab_cli.commands.running import How, raise_first, run_missing
-from visitlab_cli.commands.runs_words import with_interval
 from visitlab_cli.errors import UsageError, VisitlabError
 
 if TYPE_CHECKING:
@@ -102,5 +101,5 @@ def _table(matrix: "Matrix", mode: str) -> str:
     rows = [["trained with", *matrix.met]]
     for trained in matrix.trained:
         values = [matrix.goals[Pairing(trained, met, mode)].value for met in matrix.met]
-        rows.append([trained, *(with_interval(value) if value else "-" for value in values)])
+        rows.append([trained, *(value.in_words() if value else "-" for value in values)])
     return aligned(rows, words=1)

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from visitlab_cli.commands.optimum import aligned
-from visitlab_cli.commands.runs_words import with_interval
 
 if TYPE_CHECKING:
     from visitlab_cli.analysis.pairs import Pair
@@ -73,7 +72,7 @@ def _row(pair: "Pair") -> list[str]:
     return [
         *(pair.where, pair.measure, pair.first.name, pair.second.name, "paired" if pair.paired else "independent"),
         *(f"{side.mean:.2f}" for side in (pair.first, pair.second)),
-        with_interval(pair.difference, "+"),
+        pair.difference.in_words("+"),
         str(pair.n),
         f"{pair.probability_of_improvement:.2f}",
     ]

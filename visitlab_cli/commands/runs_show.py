@@ -9,7 +9,7 @@ import typer
 
 from visitlab_cli.commands.optimum import aligned
 from visitlab_cli.commands.options import RUNS, Json, Out, Run
-from visitlab_cli.commands.runs_words import age_in_words, number, run_again, size_in_words, with_interval
+from visitlab_cli.commands.runs_words import age_in_words, number, run_again, size_in_words
 
 if TYPE_CHECKING:
     from visitlab_cli.analysis.summary import Summary
@@ -80,7 +80,7 @@ def _row(each: "Summary", varied: bool, evaluated: bool) -> list[str]:
     played = [group.evaluation.words if group.evaluation.folder else "-"] if evaluated else []
     return [
         *(group.experiment, group.agent, group.human or "-", *point, *played, group.measure),
-        with_interval(each.value) if each.value else "-",
+        each.value.in_words() if each.value else "-",
         number(each.median, ".2f"),
         str(each.n),
         number(each.steps_to_level, ",.0f"),

@@ -1,17 +1,11 @@
-"""Sizes, ages, intervals and mending commands in the words that the `runs` commands share."""
+"""Sizes, ages and mending commands in the words that the `runs` commands share."""
 
-import math
 import shlex
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from visitlab_cli.commands.options import RUNS
 
-if TYPE_CHECKING:
-    from visitlab_cli.analysis.summary_estimate import Estimate
-
 KILO = 1000
-FINE = 0.01
 AGES = ((86_400.0, "d"), (3_600.0, "h"), (60.0, "min"))
 
 
@@ -31,13 +25,6 @@ def age_in_words(seconds: float) -> str:
         if seconds >= length:
             return f"{seconds / length:.0f} {unit}"
     return f"{max(seconds, 0):.0f} s"
-
-
-def with_interval(estimate: "Estimate", sign: str = "") -> str:
-    """A mean and half of its 95% interval; a question mark where one seed leaves it open. Fine: more digits."""
-    digits = 2 if math.isnan(estimate.half) or estimate.half >= FINE or not estimate.half else 4
-    half = "?" if math.isnan(estimate.half) else f"{estimate.half:.{digits}f}"
-    return f"{estimate.mean:{sign}.{digits}f} ± {half}"
 
 
 def number(value: float | None, form: str) -> str:

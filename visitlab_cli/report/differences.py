@@ -1,6 +1,5 @@
 """The agents two by two: which leads better, by how much, and how sure that is."""
 
-import math
 from collections.abc import Mapping
 
 from visitlab_cli.analysis.pairs import Pair
@@ -36,11 +35,9 @@ def differences(facts: Facts, title: str) -> Html | None:
 
 
 def _row(pair: Pair, short: Mapping[str, str]) -> Html:
-    mean, half = pair.difference
-    known = not math.isnan(half)
     cells: list[str] = [
         _words(f"{pair.second.name} less {pair.first.name}", short),
-        element("b", f"{mean:+z.2f}" + (f" ± {half:.2f}" if known else "")),
+        element("b", pair.difference.in_words("+", unknown="")),
         f"{pair.n} {'paired' if pair.paired else 'independent'}",
         f"{pair.probability_of_improvement:.2f}",
     ]

@@ -89,8 +89,7 @@ def _condition(line: Summary, short: Mapping[str, str]) -> Html:
 def _mean(line: Summary) -> str:
     if line.value is None:
         return "not run yet"
-    half = "" if math.isnan(line.value.half) else f" ± {line.value.half:.2f}"
-    return f"{line.value.mean:z.2f}{half}"
+    return line.value.in_words(unknown="")
 
 
 def _expectation(expected: Result | None) -> str:
