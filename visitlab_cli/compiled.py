@@ -5,7 +5,6 @@ named by a hash of every source file that kernels live in, since numba's own cac
 file that a kernel calls: an edited rule would silently run as before.
 """
 
-import hashlib
 import os
 import platform
 import shutil
@@ -23,26 +22,20 @@ import platformdirs
 from numba.core import types
 from numba.extending import overload
 
+from visitlab_cli.sources import digest_of, files_of
+
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 ROOM_FOR_CACHE = 64 * 2**20  # bytes: numba fails where it can't write, so a full disk is no cache at all
-PACKAGE = Path(__file__).parent
 KERNEL_SOURCES = ("compiled.py", "random_numbers.py", "world", "agents", "simulation")
 _settings: Any = numba.config
 JIT_DISABLED = bool(_settings.DISABLE_JIT)
 
 
-def _kernel_files() -> list[Path]:
-    places = [PACKAGE / name for name in KERNEL_SOURCES]
-    return sorted(file for place in places for file in (place.rglob("*.py") if place.is_dir() else [place]))
-
-
 @cache
 def sources_hash() -> str:
     """16 hex digits: every kernel source, and what else decides the machine code."""
-    digest = hashlib.sha256()
-    for file in _kernel_files():
-        digest.update(file.relative_to(PACKAGE).as_posix().encode() + b"\0" + file.read_bytes() + b"\0")
+    digest = digest_of(files_of(KERNEL_SOURCES))
     makers = (sys.version, platform.machine(), numba.__version__, llvmlite.__version__)
     processor = (llvmlite.binding.get_host_cpu_name(), llvmlite.binding.get_host_cpu_features().flatten())
     digest.update("\0".join(makers + processor).encode())

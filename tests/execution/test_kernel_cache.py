@@ -10,8 +10,8 @@ import pytest
 
 import visitlab_cli
 from tests.program import TINY, hashes, the_run, visitlab
-from visitlab_cli import compiled
-from visitlab_cli.compiled import _kernel_files
+from visitlab_cli import compiled, sources
+from visitlab_cli.compiled import KERNEL_SOURCES
 
 PACKAGE = Path(visitlab_cli.__file__).parent
 NAMES_NUMBA = {"versions.py", "doctor.py", "stopping.py"}  # ask for its version, or whether it is compiling
@@ -88,7 +88,7 @@ def test_no_cache_folder_is_said_and_changes_nothing(tiny_run, tmp_path):
 
 
 def test_every_file_with_kernels_is_in_the_hash():
-    hashed = set(_kernel_files())
+    hashed = set(sources.files_of(KERNEL_SOURCES))
     for file in PACKAGE.rglob("*.py"):
         if file not in hashed:
             assert "numba" not in file.read_text().replace("NUMBA", "") or file.name in NAMES_NUMBA, file
@@ -99,12 +99,14 @@ def test_every_file_with_kernels_is_in_the_hash():
 def test_the_hash_is_of_every_byte_of_them(tmp_path, monkeypatch):
     package = tmp_path / "visitlab_cli"
     shutil.copytree(PACKAGE, package, ignore=shutil.ignore_patterns("__pycache__"))
-    monkeypatch.setattr(compiled, "PACKAGE", package)
+    hashed = sources.files_of(KERNEL_SOURCES, package)
+    monkeypatch.setattr(compiled, "files_of", lambda rooms: sources.files_of(rooms, package))
+    monkeypatch.setattr(compiled, "digest_of", lambda files: sources.digest_of(files, package))
     seen = {compiled.sources_hash.__wrapped__()}
     assert seen == {compiled.sources_hash()}
-    for file in _kernel_files():
+    for file in hashed:
         text = file.read_text()
         file.write_text(text + "#")
         seen.add(compiled.sources_hash.__wrapped__())
         file.write_text(text)
-    assert len(seen) == 1 + len(_kernel_files())
+    assert len(seen) == 1 + len(hashed)

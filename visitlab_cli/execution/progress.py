@@ -66,6 +66,10 @@ class Progress:
         if not self.quiet:
             self.console.print(line, style=style, markup=False)
 
+    def warn(self, line: str) -> None:
+        """Tell the user something that is to be told in any case."""
+        self.console.print(line, style="yellow", markup=False)
+
     @contextmanager
     def over(self, cells: Sequence[Cell]) -> Iterator[None]:
         """Show the bars while these cells run."""

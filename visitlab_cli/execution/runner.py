@@ -2,6 +2,7 @@
 
 import signal
 import threading
+import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Future, wait
@@ -13,7 +14,8 @@ from visitlab_cli.errors import Interrupted, VisitlabError
 from visitlab_cli.execution.cells import Cell
 from visitlab_cli.execution.evaluation import record_evaluation
 from visitlab_cli.execution.progress import Progress
-from visitlab_cli.execution.workers import Workers
+from visitlab_cli.execution.silence import Silence
+from visitlab_cli.execution.workers import OtherCodeError, Workers
 from visitlab_cli.stopping import check_asked, ending_signals
 from visitlab_cli.storage.cell_folder import read_cell, remove_leftovers
 
@@ -33,6 +35,7 @@ def run_cells(run: Path, cells: Sequence[Cell], workers: int, progress: Progress
     """Run the missing ones of `cells` in the run folder `run`; a cell that fails fails alone.
 
     Raises:
+        RunError: a worker has imported other code than this process.
         Interrupted: by Ctrl-C, SIGTERM or SIGHUP; what was finished is kept.
     """
     for evaluation in {cell.evaluation for cell in cells}:
@@ -62,19 +65,27 @@ class _Running:
         self.free_slots = list(range(pool.count))
         self.deaths: Counter[str] = Counter()
         self.failures: Failures = {}
+        self.silence = Silence()
+        self.other_code: OtherCodeError | None = None
 
     def finish(self) -> Failures:
         while self.waiting or self.suspects or self.running:
-            if self.stopped():
+            if self.stopped() or self.other_code is not None:
                 self.pool.stop()
                 self.waiting, self.suspects = [], []
             for cell in self._startable():
                 if not self._start(cell):
                     break
             done, _ = wait(self.running, timeout=POLL_SECONDS, return_when=FIRST_COMPLETED)
+            self.silence.looks(time.monotonic())
             for cell, slot in self.running.values():
-                self.progress.update(cell, self.pool.steps_done(slot))
+                steps = self.pool.steps_done(slot)
+                self.progress.update(cell, max(steps, 0))
+                if told := self.silence.heard(cell, steps):
+                    self.progress.warn(f"{cell.path}: {told} (worker {slot + 1}, process {self.pool.process(slot)})")
             self._collect(done)
+        if self.other_code is not None:
+            raise self.other_code
         if self.stopped():
             raise Interrupted("interrupted; what was finished is kept, and the same command goes on from there")
         return self.failures
@@ -84,6 +95,7 @@ class _Running:
         slot = self.free_slots.pop()
         try:
             self.running[self.pool.submit(self.run, cell, slot)] = cell, slot
+            self.silence.begins(cell)
         except BrokenExecutor:
             self.free_slots.append(slot)
             self.suspects.insert(0, cell)
@@ -118,6 +130,8 @@ class _Running:
             error = future.exception()
             if error is None:
                 self.progress.finished(cell, read_cell(self.run / cell.path))
+            elif isinstance(error, OtherCodeError):
+                self.other_code = error
             elif isinstance(error, BrokenExecutor):
                 broken.append(cell)
             elif not isinstance(error, Interrupted):

@@ -20,6 +20,8 @@ from visitlab_cli.world.columns import GO_TO_HUMAN, NAVIGATION, SOCIAL, VISIT, S
 from visitlab_cli.world.tasks import TASK_SIZES
 
 COMPILED = "compiled-"
+_compiled_here: set[str] = set()
+"""The names of the pairs that this process has compiled or loaded."""
 
 
 def warm_up(cells: Sequence[Cell], say: Callable[[str], None]) -> None:
@@ -29,6 +31,13 @@ def warm_up(cells: Sequence[Cell], say: Callable[[str], None]) -> None:
     check_asked()
     with nothing_to_lose():
         _warm_up(cells, say)
+
+
+def compile_here(cell: Cell) -> None:
+    """Compile or load in this process, once, what `cell` needs, so that what it does afterwards is simulation."""
+    if not JIT_DISABLED and _pair(cell) not in _compiled_here:
+        _play_one_step(cell)
+        _compiled_here.add(_pair(cell))
 
 
 def _warm_up(cells: Sequence[Cell], say: Callable[[str], None]) -> None:
@@ -53,6 +62,7 @@ def _warm_up(cells: Sequence[Cell], say: Callable[[str], None]) -> None:
             shutil.rmtree(folder, ignore_errors=True)
             folder.mkdir(mode=0o700, parents=True, exist_ok=True)
             _play_one_step(cell)
+        _compiled_here.add(name)
         if marker is not None:
             with contextlib.suppress(OSError):
                 marker.touch()

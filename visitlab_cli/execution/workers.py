@@ -2,6 +2,9 @@
 
 One worker is a thread of this process (kernels release the GIL), several are processes. Progress and the wish to
 stop travel in shared memory without locks, so that a killed worker can block nobody.
+
+A worker imports what the program imports, wherever it is started: what starts it does not look for modules in the
+current folder, imports nothing beforehand, not the user's script either, and gives it the program's own search path.
 """
 
 import ctypes
@@ -11,20 +14,43 @@ import multiprocessing.forkserver
 import multiprocessing.resource_tracker
 import os
 import signal
+import sys
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
-from typing import Any
+from types import ModuleType
+from typing import Any, NamedTuple
 
-from visitlab_cli.errors import Interrupted
+from visitlab_cli.errors import Interrupted, RunError, UsageError
 from visitlab_cli.execution.cells import Cell
+from visitlab_cli.sources import PACKAGE, sources
 from visitlab_cli.stopping import ending_signals
 
 STOP = 0
-"""Place of the stop flag in the shared memory; the steps done by worker slot i are at i + 1."""
+"""Place of the stop flag in the shared memory; worker slot i has the places from 1 + 2 i: its steps, its process."""
+NOT_BEGUN = -1
+"""The steps of a cell whose worker is still starting, importing or compiling."""
+SAFE_PATH, MAIN = "PYTHONSAFEPATH", "__main__"
 
 _shared: Any = None
+
+
+class Code(NamedTuple):
+    """Which code a process runs."""
+
+    package: str
+    sources: str
+
+
+def code() -> Code:
+    """The code of this process."""
+    return Code(str(PACKAGE), sources())
+
+
+class OtherCodeError(RunError):
+    """A worker has imported another package than the program: nothing that it made would be the program's."""
 
 
 class Workers:
@@ -34,28 +60,35 @@ class Workers:
         """Prepare `count` workers; they start with the first cell."""
         self.count = count
         self._context = multiprocessing.get_context("forkserver")
-        self._shared = self._context.RawArray(ctypes.c_int64, count + 1)
+        self._shared = self._context.RawArray(ctypes.c_int64, 1 + 2 * count)
         self._executor: Executor | None = None
+        self._code = code()
 
     def submit(self, run: Path, cell: Cell, slot: int) -> Future[None]:
         """Run a cell in a free `slot`."""
-        self._shared[slot + 1] = 0
+        self._shared[_steps_of(slot)] = NOT_BEGUN
+        self._shared[_process_of(slot)] = 0
         if self._executor is None:
             self._executor = self._start()
-        return self._executor.submit(_run_in_slot, run, cell, slot)
+        with _as_the_program() if self.count > 1 else nullcontext():  # the pool starts its processes as work comes
+            return self._executor.submit(_checked, self._code, _run_in_slot, run, cell, slot)
 
     def _start(self) -> Executor:
         if self.count == 1:
             return ThreadPoolExecutor(1, initializer=_begin_thread, initargs=(self._shared,))
-        self._context.set_forkserver_preload(["visitlab_cli.execution.cell_runner"])
+        self._context.set_forkserver_preload([])
         _start_servers()
         return ProcessPoolExecutor(
             self.count, mp_context=self._context, initializer=_begin_process, initargs=(self._shared,)
         )
 
     def steps_done(self, slot: int) -> int:
-        """Steps that the cell in `slot` has done so far."""
-        return int(self._shared[slot + 1])
+        """Steps that the cell in `slot` has done so far; `NOT_BEGUN` while its worker is not ready."""
+        return int(self._shared[_steps_of(slot)])
+
+    def process(self, slot: int) -> int:
+        """The number of the process that runs the cell in `slot`; 0 while there is none."""
+        return int(self._shared[_process_of(slot)])
 
     def stop(self) -> None:
         """Ask every cell to stop after its block."""
@@ -78,6 +111,14 @@ class Workers:
             self._executor.shutdown(wait=True, cancel_futures=True)
 
 
+def _steps_of(slot: int) -> int:
+    return 1 + 2 * slot
+
+
+def _process_of(slot: int) -> int:
+    return 2 + 2 * slot
+
+
 def _start_servers() -> None:
     """Start what starts the workers, deaf to the signals that a terminal sends to all; the workers inherit that."""
     before = signal.pthread_sigmask(signal.SIG_BLOCK, ())
@@ -87,9 +128,32 @@ def _start_servers() -> None:
             multiprocessing.forkserver.ensure_running,
         ):
             signal.pthread_sigmask(signal.SIG_BLOCK, ending_signals())  # each time: the tracker's start unblocks some
-            ensure_running()
+            with _as_the_program():
+                ensure_running()
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+@contextmanager
+def _as_the_program() -> Iterator[None]:
+    """A Python that is started within imports neither from the current folder nor, once more, the script that runs.
+
+    Raises:
+        UsageError: it would not heed that.
+    """
+    if sys.flags.ignore_environment and not sys.flags.safe_path:
+        raise UsageError("python -E: workers would import from the current folder; add -P, or use --workers 1")
+    before, script = os.environ.get(SAFE_PATH), sys.modules[MAIN]
+    os.environ[SAFE_PATH] = "1"
+    sys.modules[MAIN] = ModuleType(MAIN)  # of no file, so that there is nothing to import
+    try:
+        yield
+    finally:
+        sys.modules[MAIN] = script
+        if before is None:
+            del os.environ[SAFE_PATH]
+        else:
+            os.environ[SAFE_PATH] = before
 
 
 def _begin_thread(shared: Any) -> None:
@@ -113,15 +177,33 @@ def _end_with(sentinel: int) -> None:
     os._exit(1)
 
 
+def _checked(expected: Code, work: Callable[[Path, Cell, int], None], run: Path, cell: Cell, slot: int) -> None:
+    """Do `work` if this process runs the code that the program runs.
+
+    Raises:
+        OtherCodeError: it does not.
+    """
+    ours = code()
+    if ours.package != expected.package:
+        raise OtherCodeError(f"a worker imports visitlab from {ours.package}, the program from {expected.package}")
+    if ours.sources != expected.sources:
+        raise OtherCodeError(f"{ours.package} was edited while the program runs: a worker has other code; run again")
+    work(run, cell, slot)
+
+
 def _run_in_slot(run: Path, cell: Cell, slot: int) -> None:
     from visitlab_cli.execution.cell_runner import run_cell
+    from visitlab_cli.execution.warm_up import compile_here
 
+    _shared[_process_of(slot)] = os.getpid()
+    compile_here(cell)
+    _shared[_steps_of(slot)] = 0
     run_cell(run, cell, _report_to(slot))
 
 
 def _report_to(slot: int) -> Callable[[int], None]:
     def report(steps: int) -> None:
-        _shared[slot + 1] = steps
+        _shared[_steps_of(slot)] = steps
         if _shared[STOP]:
             raise Interrupted("stopped")
 
