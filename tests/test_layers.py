@@ -10,7 +10,7 @@ import visitlab_cli
 
 PACKAGE = Path(visitlab_cli.__file__).parent
 FLOORS = [
-    {"__init__", "errors", "sources", "stopping"},
+    {"__init__", "errors", "settings", "sources", "stopping"},
     {"whole_file"},
     {"compiled"},
     {"random_numbers"},

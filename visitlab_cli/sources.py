@@ -17,6 +17,7 @@ DECIDING = (
     "execution",
     "random_numbers.py",
     "recording",
+    "settings.py",
     "simulation",
     "storage",
     "world",

@@ -4,11 +4,11 @@ import json
 import shutil
 
 from tests.program import TINY, hashes, visitlab
+from visitlab_cli.agents.model_based import ModelBasedParameters
 from visitlab_cli.config.canonical import config_hash
 from visitlab_cli.config.loading import load
 from visitlab_cli.execution.cells import plan
-from visitlab_cli.execution.estimate import LOG_BYTES_A_STEP, MICROSECONDS_A_STEP, estimate
-from visitlab_cli.world.columns import TASKS
+from visitlab_cli.execution.estimate import LOG_BYTES_A_STEP, estimate
 
 
 def test_show_prints_a_config_that_is_the_same(tmp_path):
@@ -98,7 +98,7 @@ def test_more_workers_gain_until_the_longest_chain_is_left():
     cells = plan(load("quickstart"))
     seconds = [estimate(cells, workers).seconds for workers in (1, 2, 3, 99)]
     assert seconds[0] > seconds[1] >= seconds[2] == seconds[3] > 0
-    assert seconds[3] == 500_000 * MICROSECONDS_A_STEP["social"]["model_based"] / 1e6 + 100_000 * 22e-6
+    assert seconds[3] == 500_000 * ModelBasedParameters.microseconds_a_step["social"] / 1e6 + 100_000 * 22e-6
 
 
 def test_every_agent_that_can_play_a_task_has_its_cost():
@@ -106,5 +106,4 @@ def test_every_agent_that_can_play_a_task_has_its_cost():
 
     members = registry.AnyAgent.__origin__.__args__  # of the union
     for parameters in members:
-        (kind,) = parameters.model_fields["kind"].annotation.__args__
-        assert {task for task in TASKS if kind in MICROSECONDS_A_STEP[task]} == set(parameters.tasks)
+        assert parameters.microseconds_a_step.keys() == set(parameters.tasks)

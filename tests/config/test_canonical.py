@@ -1,18 +1,28 @@
 """One config, one text, one hash."""
 
-from typing import Any
+from collections.abc import Iterator
+from contextlib import contextmanager
+from enum import Enum
+from typing import Annotated, Any, Literal, get_args
 
 import pytest
 import yaml
 from hypothesis import given
 from hypothesis import strategies as st
+from pydantic import Field, field_serializer
 
 from tests.config.lab import LAB, Load, edited
+from visitlab_cli.agents.base import AgentParameters
+from visitlab_cli.agents.registry import AnyAgent
+from visitlab_cli.config import building
 from visitlab_cli.config.building import build, check
 from visitlab_cli.config.canonical import canonical, config_hash, dump_yaml
 from visitlab_cli.config.document import Place, located
 from visitlab_cli.config.loading import load_text
+from visitlab_cli.config.model import Config
+from visitlab_cli.config.names import Name
 from visitlab_cli.errors import ConfigError
+from visitlab_cli.settings import Settings, since
 
 SAME = {
     "defaults written": edited("kind: model_based", "kind: model_based, gamma: 0.9, unvisited: uniform"),
@@ -129,6 +139,108 @@ def test_any_config_survives_its_dump(plain: dict[str, Any]) -> None:
     again = load_text(dump_yaml(config), "dump")
     assert again == config
     assert config_hash(again) == config_hash(config)
+
+
+class Shape(Enum):
+    ROUND, FLAT = "round", "flat"
+
+
+class Decay(Settings):
+    from_: float = Field(default=1, alias="from")
+    words: frozenset[str] = frozenset()
+
+
+class TracesParameters(AgentParameters):
+    """A kind that somebody adds, with what pydantic allows and ours do not use."""
+
+    kind: Literal["traces"]
+    lambda_: float = Field(default=0, ge=0, le=1, alias="lambda")
+    loops: int | None = Field(default=None, validation_alias="for", serialization_alias="loops")
+    rooms: set[int] = Field(default=set(), json_schema_extra=since("0.2.0"))
+    decays: tuple[Decay, ...] = ()
+    rates: dict[str, float | None] = {}
+    shape: Shape = Shape.ROUND
+    text: str | int | float | bool | None = None
+
+
+KINDS: Any = get_args(AnyAgent)[0] | TracesParameters
+
+
+class Wider(Config):
+    agents: dict[Name, Annotated[KINDS, Field(discriminator="kind")]]
+
+
+@contextmanager
+def added_kind() -> Iterator[None]:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(building, "Config", Wider)
+        yield
+
+
+any_float = st.floats(allow_nan=False, allow_infinity=False, width=64).map(lambda number: number + 0.0)
+numbers = any_float | st.sampled_from([0, 1, 7, 1e-300, 5e-324, 1.7e308, 1e22, 0.1 + 0.2])
+texts = names | st.text(st.characters(exclude_categories=["Cs", "Cc"]), max_size=20)
+traces = st.fixed_dictionaries(
+    {"kind": st.just("traces")},
+    optional={
+        "lambda": probabilities,
+        "for": st.none() | st.integers(-(10**12), 10**12),
+        "rooms": st.lists(st.integers(-3, 8), max_size=4),
+        "decays": st.lists(st.fixed_dictionaries({"words": st.lists(texts, max_size=3)}, optional={"from": numbers})),
+        "rates": st.dictionaries(texts, st.none() | numbers, max_size=3),
+        "shape": st.sampled_from(["round", "flat"]),
+        "text": st.none() | texts | numbers | st.booleans(),
+    },
+)
+
+
+@given(configs(), traces)
+def test_whatever_an_added_kind_takes_survives_its_dump(plain: dict[str, Any], agent: dict[str, Any]) -> None:
+    plain["agents"] = dict.fromkeys(plain["agents"], agent)
+    with added_kind():
+        config, _ = check(plain)
+        if config is None:  # two humans may differ in case only
+            return
+        again = load_text(dump_yaml(config), "dump")
+    assert again == config
+    assert config_hash(again) == config_hash(config)
+    assert canonical(again) == canonical(config)
+
+
+def test_one_setting_of_an_added_kind_has_one_spelling() -> None:
+    def hash_of(agent: str) -> str:
+        with added_kind():
+            return config_hash(load_text(edited("  rmax: {kind: rmax}", f"  rmax: {{kind: traces{agent}}}"), "lab"))
+
+    reordered = hash_of(", decays: [{words: [b, a, c, b]}]"), hash_of(", decays: [{words: [c, b, a], from: 1}]")
+    assert reordered[0] == reordered[1]
+    assert hash_of("") == hash_of(", lambda: 0, for: null, rooms: [], rates: {}, decays: [], shape: round")
+    assert len({hash_of(""), hash_of(", lambda: 1"), hash_of(", rooms: [1]"), *reordered}) == 4
+
+
+class TwofoldParameters(TracesParameters):
+    """Reads percent, tells a fraction."""
+
+    percent: float = 50
+
+    @field_serializer("percent")
+    def _told(self, percent: float) -> float:
+        return percent / 100
+
+
+def test_a_kind_that_is_read_otherwise_than_it_is_written_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Twofold(Config):
+        agents: dict[Name, TwofoldParameters]  # type: ignore[assignment]
+
+    monkeypatch.setattr(building, "Config", Twofold)
+    text = LAB[: LAB.index("agents:")] + (
+        "agents:\n  good: {kind: traces, percent: 0}\n  mine: {kind: traces}\n"
+        "experiments:\n  navigation: {task: navigation, agents: [good, mine], steps: 100}\n"
+    )
+    with pytest.raises(ConfigError) as error:
+        load_text(text, "lab")
+    (line,) = str(error.value).splitlines()
+    assert line.startswith("lab:7:3: agents.mine: can't be kept: it is read otherwise than it is written")
 
 
 def test_plain_values_can_be_built_without_a_file() -> None:

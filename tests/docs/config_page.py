@@ -80,6 +80,7 @@ def table(entry, definitions):
     for key, node in entry["properties"].items():
         if not is_tag(entry, key):
             meaning = node.get("description", "").replace("|", "\\|").replace("<", "&lt;")
+            meaning += f" (since {node['since']})" if "since" in node else ""
             lines.append(f"| `{key}` | {value(node, definitions)} | {default(entry, key, node)} | {meaning} |")
     return "\n".join(lines) + "\n" if len(lines) > 2 else "Nothing else.\n"
 

@@ -9,9 +9,10 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
 from visitlab_cli.compiled import Operation
+from visitlab_cli.settings import Settings
 from visitlab_cli.world.columns import TASKS
 
 Saved = dict[str, npt.NDArray[Any]]
@@ -22,16 +23,18 @@ EPSILON = Field(default=0.05, ge=0, le=1, description="probability of a uniforml
 PLAN_EVERY = Field(default=1000, ge=1, le=10**9, description="steps between two sweeps of value iteration")
 
 
-class AgentParameters(BaseModel):
+class AgentParameters(Settings):
     """An agent as the YAML declares it; a subclass adds `kind` (a Literal) and its numbers."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     plans: ClassVar[bool] = False
     """Whether it sweeps a learned model, so that planning options mean something."""
 
     tasks: ClassVar[tuple[str, ...]] = TASKS
     """The tasks that it can play."""
+
+    microseconds_a_step: ClassVar[Mapping[str, float]] = {}
+    """What a step costs, by task, for the estimate before a run: of a whole cell on one core, in a visit as its
+    social module; where it is not told, the dearest of the kinds that do stands in."""
 
     references: ClassVar[dict[str, tuple[str, ...]]] = {}
     """Fields that name another declared agent, with the kinds that this one may have (none given: any

@@ -1,5 +1,6 @@
 """Epsilon-greedy value iteration, the paper's model-based agent: a learned model, swept every `plan_every` steps."""
 
+from collections.abc import Mapping
 from typing import ClassVar, Literal, NamedTuple
 
 import numpy as np
@@ -26,6 +27,7 @@ from visitlab_cli.agents.sparse_model import (
     sweep,
 )
 from visitlab_cli.random_numbers import RandomState
+from visitlab_cli.world.columns import GO_TO_HUMAN, NAVIGATION, SOCIAL, VISIT
 
 
 class ModelBased(NamedTuple):
@@ -44,6 +46,7 @@ class ModelBasedParameters(AgentParameters):
     """Epsilon-greedy value iteration (paper, section 4.2)."""
 
     plans: ClassVar[bool] = True
+    microseconds_a_step: ClassVar[Mapping[str, float]] = {NAVIGATION: 2.5, GO_TO_HUMAN: 1.3, SOCIAL: 5.3, VISIT: 22.0}
     kind: Literal["model_based"]
     gamma: float = GAMMA
     epsilon: float = EPSILON

@@ -1,5 +1,6 @@
 """A Q-learner that first watches another agent play, then acts alone and goes on learning (paper, section 5.2)."""
 
+from collections.abc import Mapping
 from typing import Any, ClassVar, Literal, NamedTuple
 
 from pydantic import Field
@@ -9,6 +10,7 @@ from visitlab_cli.agents.base import choose as choose_of
 from visitlab_cli.agents.base import learn as learn_of
 from visitlab_cli.agents.q_learning import QLearning, QLearningParameters
 from visitlab_cli.random_numbers import RandomState
+from visitlab_cli.world.columns import GO_TO_HUMAN, NAVIGATION, SOCIAL, VISIT
 
 
 class Observer(NamedTuple):
@@ -28,6 +30,7 @@ class ObserverParameters(AgentParameters):
         "learner": ("q_learning",),
         "acts_as": ("q_learning",),
     }
+    microseconds_a_step: ClassVar[Mapping[str, float]] = {NAVIGATION: 2.2, GO_TO_HUMAN: 1.7, SOCIAL: 4.5, VISIT: 3.5}
     kind: Literal["observer"]
     watches: str = Field(description="the agent that plays until then")
     learner: str = Field(description="the q_learning agent that learns from it")

@@ -1,6 +1,7 @@
 """Q-learning, the paper's model-free agent: Q <- Q + alpha (r + gamma max_a' Q(s', a') - Q), epsilon-greedy."""
 
-from typing import Literal, NamedTuple
+from collections.abc import Mapping
+from typing import ClassVar, Literal, NamedTuple
 
 import numpy as np
 from pydantic import Field
@@ -9,6 +10,7 @@ from visitlab_cli.agents.base import CHOOSE, EPSILON, GAMMA, LEARN, AgentParamet
 from visitlab_cli.agents.exploration import Table, epsilon_greedy, maximum
 from visitlab_cli.agents.sparse_model import Counts
 from visitlab_cli.random_numbers import RandomState
+from visitlab_cli.world.columns import GO_TO_HUMAN, NAVIGATION, SOCIAL, VISIT
 
 
 class QLearning(NamedTuple):
@@ -24,6 +26,7 @@ class QLearning(NamedTuple):
 class QLearningParameters(AgentParameters):
     """Tabular Q-learning (paper, section 4.2)."""
 
+    microseconds_a_step: ClassVar[Mapping[str, float]] = {NAVIGATION: 1.1, GO_TO_HUMAN: 0.9, SOCIAL: 1.7, VISIT: 2.9}
     kind: Literal["q_learning"]
     gamma: float = GAMMA
     epsilon: float = EPSILON

@@ -1,5 +1,6 @@
 """R-max (Brafman and Tennenholtz, 2002): optimistic until a pair has been tried m times, then its frozen model."""
 
+from collections.abc import Mapping
 from typing import ClassVar, Literal, NamedTuple
 
 import numpy as np
@@ -16,6 +17,7 @@ from visitlab_cli.agents.sparse_model import (
     sweep,
 )
 from visitlab_cli.random_numbers import RandomState
+from visitlab_cli.world.columns import GO_TO_HUMAN, NAVIGATION, SOCIAL, VISIT
 
 M_IN_NAVIGATION, M_ELSEWHERE = 1, 5  # paper, section 4.2
 
@@ -35,6 +37,7 @@ class RMaxParameters(AgentParameters):
     """R-max (paper, section 4.2)."""
 
     plans: ClassVar[bool] = True
+    microseconds_a_step: ClassVar[Mapping[str, float]] = {NAVIGATION: 2.8, GO_TO_HUMAN: 1.3, SOCIAL: 5.2, VISIT: 20.0}
     kind: Literal["rmax"]
     gamma: float = GAMMA
     r_max: float = Field(default=1.0, ge=0, le=1e6, description="the largest reward, assumed of what is unknown")

@@ -5,6 +5,7 @@ leads by looking one step ahead: of all moves it takes the one after which it wo
 human, coming towards it, walks in the desired direction, at a distance that keeps the human's attention.
 """
 
+from collections.abc import Mapping
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -44,6 +45,7 @@ class ScriptedParameters(AgentParameters):
     """Approach, hello, come, point if needed, lead; for the social task and the visit."""
 
     tasks: ClassVar[tuple[str, ...]] = (SOCIAL, VISIT)
+    microseconds_a_step: ClassVar[Mapping[str, float]] = {SOCIAL: 2.4, VISIT: 3.7}
     kind: Literal["scripted"]
 
     def create(self, setting: Setting) -> GreedyTable:

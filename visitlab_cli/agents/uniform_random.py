@@ -1,10 +1,12 @@
 """The floor: every action with the same probability, nothing learned."""
 
-from typing import Literal, NamedTuple
+from collections.abc import Mapping
+from typing import ClassVar, Literal, NamedTuple
 
 from visitlab_cli.agents.base import CHOOSE, LEARN, AgentParameters, Saved, Setting, zeros
 from visitlab_cli.agents.exploration import Table
 from visitlab_cli.random_numbers import RandomState, random_below
+from visitlab_cli.world.columns import GO_TO_HUMAN, NAVIGATION, SOCIAL, VISIT
 
 
 class UniformRandom(NamedTuple):
@@ -16,6 +18,7 @@ class UniformRandom(NamedTuple):
 class RandomParameters(AgentParameters):
     """Uniformly random actions."""
 
+    microseconds_a_step: ClassVar[Mapping[str, float]] = {NAVIGATION: 0.6, GO_TO_HUMAN: 0.9, SOCIAL: 2.1, VISIT: 2.7}
     kind: Literal["random"]
 
     def create(self, setting: Setting) -> UniformRandom:

@@ -5,6 +5,7 @@ same cell of two runs with the same root seed, which draws the same random numbe
 the random numbers of a cell depend on its path.
 """
 
+import json
 from collections.abc import Sequence
 from itertools import combinations
 from pathlib import Path
@@ -18,6 +19,7 @@ from visitlab_cli.config.names import module
 from visitlab_cli.config.problems import or_else
 from visitlab_cli.errors import NotFoundError, UsageError
 from visitlab_cli.execution.cells import Cell
+from visitlab_cli.settings import as_yaml
 
 AGENT, HUMAN = "agent", "human"
 Values = dict[str, float]
@@ -156,7 +158,7 @@ def _member(run: Path, group: Group, key: str) -> _Member | None:
     if key == AGENT and isinstance(settings, Visit):
         anyone = module(settings.modules.social)._replace(agent="*")
         modules = settings.modules.model_copy(update={"social": "/".join(filter(None, anyone))})
-        experiment = settings.model_copy(update={"modules": modules, "humans": ()}).model_dump_json()
+        experiment = json.dumps(as_yaml(settings.model_copy(update={"modules": modules, "humans": ()})))
     own = {path for path in point if path == key or _belongs(path, group, key)}
     return _Member(group, value, " ".join([experiment, *where]), where, point, own, reached)
 

@@ -5,6 +5,7 @@ it is another. No list of variants is kept: whatever lies in the same runs folde
 """
 
 import os
+from collections.abc import Set
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -14,6 +15,7 @@ from visitlab_cli.config.model import Config
 from visitlab_cli.config.names import Module, module
 from visitlab_cli.errors import RunError
 from visitlab_cli.execution.cells import Cell, plan
+from visitlab_cli.settings import Settings, as_yaml, key_of
 from visitlab_cli.storage.run_folder import all_runs, read_config
 
 Flat = dict[str, Any]
@@ -69,8 +71,8 @@ def deciding(cell: Cell) -> Flat:
     if not isinstance(settings, Visit):
         names = Module(cell.experiment, cell.agent, cell.human)
         return _training(config, names, NOT_DECIDING) | _flat("distances", list(config.interaction.distances))
-    found = _flat("visit", settings.model_dump(mode="json", exclude=NOT_DECIDING))
-    found |= _flat("human", config.humans[cell.human].model_dump(mode="json"))
+    found = _settings("visit", settings, NOT_DECIDING)
+    found |= _settings("human", config.humans[cell.human])
     found |= _flat("distances", list(config.interaction.distances))
     for task, name in settings.modules.model_dump().items():
         training = _training(config, module(name), NOT_DECIDING - {"steps"})
@@ -78,17 +80,21 @@ def deciding(cell: Cell) -> Flat:
     return found
 
 
-def _training(config: Config, names: Module, without: set[str]) -> Flat:
+def _training(config: Config, names: Module, without: Set[str]) -> Flat:
     settings = config.experiments[names.experiment]
     assert isinstance(settings, Training)
-    found = _flat("training", settings.model_dump(mode="json", exclude=without))
+    found = _settings("training", settings, without)
     agent = config.agents[names.agent]
-    found |= _flat("agent", agent.model_dump(mode="json", exclude=set(agent.references)))
+    found |= _settings("agent", agent, {key_of(type(agent), role) for role in agent.references})
     for role in agent.references:
-        found |= _flat(f"agent.{role}", config.agents[getattr(agent, role)].model_dump(mode="json"))
+        found |= _settings(f"agent.{role}", config.agents[getattr(agent, role)])
     if isinstance(settings, SocialTraining) and names.human:
-        found |= _flat("human", config.humans[names.human].model_dump(mode="json"))
+        found |= _settings("human", config.humans[names.human])
     return found
+
+
+def _settings(path: str, settings: Settings, without: Set[str] = frozenset()) -> Flat:
+    return _flat(path, {key: value for key, value in as_yaml(settings).items() if key not in without})
 
 
 def _flat(path: str, value: Any) -> Flat:

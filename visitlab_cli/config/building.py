@@ -1,11 +1,14 @@
 """From a document to a config: validation, references, and every problem positioned."""
 
 import json
+from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
 
 from visitlab_cli.agents.registry import AnyAgent
+from visitlab_cli.config.canonical import canonical
 from visitlab_cli.config.document import Node, Plain
 from visitlab_cli.config.experiments import Experiment, SocialTraining, Visit
 from visitlab_cli.config.human import Human
@@ -17,6 +20,7 @@ from visitlab_cli.config.problems import Issue, Problem, failure, positioned
 from visitlab_cli.config.references import Declared
 from visitlab_cli.config.references import issues as reference_issues
 
+NOT_KEPT = "can't be kept: it is read otherwise than it is written (a fault of its kind)"
 _ENTRIES: dict[str, TypeAdapter[Any]] = {
     "humans": TypeAdapter(Human),
     "agents": TypeAdapter(AnyAgent),
@@ -45,9 +49,31 @@ def build(document: Node, problems: list[Problem]) -> Config:
     config, found = check(whole.plain())
     everything = [*problems, *(positioned(document, issue) for issue in issues)]
     everything += [positioned(whole, issue) for issue in found if issue.path[:2] not in broken]
+    if not everything and config is not None:
+        everything = [positioned(whole, issue) for issue in _otherwise_read_back(config)]
     if everything or config is None:
         raise failure(everything)
     return config
+
+
+def _otherwise_read_back(config: Config) -> Iterator[Issue]:
+    """What a run's folder would not keep as it is: a kind of agent may read its settings otherwise than it tells them.
+
+    Such a run could be made, and would then be called edited.
+    """
+    plain = canonical(config)
+    again, issues = check(plain)
+    if again is None:
+        yield from (replace(issue, message=f"{NOT_KEPT}: {issue.message}") for issue in issues)
+    else:
+        told = canonical(again)
+        wrong = [
+            (section, name)
+            for section in _ENTRIES
+            for name, entry in plain[section].items()
+            if told[section][name] != entry or getattr(again, section)[name] != getattr(config, section)[name]
+        ]
+        yield from (Issue(path, NOT_KEPT, at="key") for path in wrong)
 
 
 def _declared(plain: Plain) -> Declared:

@@ -10,6 +10,7 @@ from visitlab_cli.config.experiments import SocialTraining, Visit
 from visitlab_cli.config.model import Config
 from visitlab_cli.config.names import module
 from visitlab_cli.config.scalars import meaning
+from visitlab_cli.settings import as_yaml
 
 NOT_HASHED = ("name", "seeds", "expected")
 HASH_DIGITS = 8
@@ -21,19 +22,23 @@ def canonical(config: Config) -> dict[str, Any]:
     Planning options of a visit whose social module does not plan are left out: there they may not be written.
     So is the `start_from` of a training that starts with nothing.
     """
-    plain = config.model_dump(mode="json")
+    return _without_the_idle(config, as_yaml(config))
+
+
+def _without_the_idle(config: Config, plain: dict[str, Any]) -> dict[str, Any]:
     for name, experiment in config.experiments.items():
         if isinstance(experiment, Visit) and not config.agents[module(experiment.modules.social).agent].plans:
             for option in Visit.planning_options:
-                del plain["experiments"][name][option]
+                plain["experiments"][name].pop(option, None)
         if isinstance(experiment, SocialTraining) and experiment.start_from is None:
-            del plain["experiments"][name]["start_from"]
+            plain["experiments"][name].pop("start_from", None)
     return plain
 
 
 def hashed(config: Config) -> dict[str, Any]:
-    """What decides a result: the canonical config without `name`, `seeds` and `expected`."""
-    return {key: value for key, value in canonical(config).items() if key not in NOT_HASHED}
+    """What decides a result: the canonical config without `name`, `seeds`, `expected` and later settings' defaults."""
+    plain = _without_the_idle(config, as_yaml(config, hashed=True))
+    return {key: value for key, value in plain.items() if key not in NOT_HASHED}
 
 
 def canonical_json(config: Config) -> str:

@@ -4,8 +4,9 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo, WithJsonSchema, field_validator
 
-from visitlab_cli.config.human import Probability, Section
+from visitlab_cli.config.human import Probability
 from visitlab_cli.config.names import ModuleName, Name
+from visitlab_cli.settings import Settings
 from visitlab_cli.world.columns import GO_TO_HUMAN, NAVIGATION, SOCIAL
 from visitlab_cli.world.grid import N_ROOMS
 from visitlab_cli.world.social import ARENA, DIRECTION_CHANGE
@@ -30,7 +31,7 @@ Room = Annotated[int, Field(ge=0, lt=N_ROOMS)]
 
 
 def _all_rooms(rooms: Any) -> Any:
-    if isinstance(rooms, list):
+    if isinstance(rooms, list | tuple):
         return tuple(rooms)  # a tuple field takes no list from a validator
     if rooms == "all":
         return tuple(range(N_ROOMS))
@@ -58,7 +59,7 @@ GoalRooms = Annotated[
 ]
 
 
-class Training(Section):
+class Training(Settings):
     """What the three trainings share: agents, each of which plays alone, and how long."""
 
     task: str
@@ -68,7 +69,6 @@ class Training(Section):
         default=TRAINING_STEPS,
         ge=1,
         le=MOST_STEPS,
-        validate_default=True,
         description="steps of training; a whole number of trials",
     )
 
@@ -110,6 +110,7 @@ class SocialTraining(Training):
     )
     start_from: ModuleName | None = Field(
         default=None,
+        validate_default=False,  # None, which nobody may write
         description="the trained module, `experiment/agent/human`, that each agent goes on learning from, the same "
         "seed's; left out: it starts with nothing learned",
     )
@@ -122,7 +123,7 @@ class SocialTraining(Training):
         return start_from
 
 
-class Modules(Section):
+class Modules(Settings):
     """The three trained modules that make a visit, each `experiment/agent` or `experiment/agent/human`."""
 
     navigation: ModuleName = Field(description="the navigation module, which says where the human should go")
@@ -130,7 +131,7 @@ class Modules(Section):
     social: ModuleName = Field(description="the social module, which decides and goes on learning")
 
 
-class Visit(Section):
+class Visit(Settings):
     """The global task (paper, Fig. 5): the three modules together lead a human through goal rooms."""
 
     planning_options: ClassVar[tuple[str, ...]] = ("plan_every", "planner_rewards")

@@ -14,6 +14,7 @@ from visitlab_cli.config.experiments import Visit
 from visitlab_cli.config.model import Config
 from visitlab_cli.config.problems import Issue, dotted, failure, nearest_name, or_else, positioned, printable
 from visitlab_cli.errors import ConfigError
+from visitlab_cli.settings import at_default
 
 MOST_POINTS = 100_000
 MOST_CELLS = 1_000_000
@@ -89,10 +90,8 @@ def _forget_defaults(config: Config, parts: Sequence[str], last: str, plain: dic
     if len(parts) != 2 or (parts[0], last) not in (("agents", "kind"), ("experiments", "task")):
         return
     section, name = parts
-    model = getattr(config, section)[name]
-    for setting, field in type(model).model_fields.items():
-        if not field.is_required() and getattr(model, setting) == field.default:
-            plain[section][name].pop(setting, None)
+    for key in at_default(getattr(config, section)[name]):
+        plain[section][name].pop(key, None)
 
 
 def with_checked_grid(config: Config, document: Node) -> Config:

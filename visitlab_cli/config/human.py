@@ -3,15 +3,11 @@
 import math
 from typing import Annotated
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, Field
+
+from visitlab_cli.settings import Settings
 
 SUM_TOLERANCE = 1e-9
-
-
-class Section(BaseModel):
-    """A part of the config: frozen, and an unknown key is an error."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
 
 def _sums_to_one(speeds: tuple[float, ...]) -> tuple[float, ...]:
@@ -24,7 +20,7 @@ Probability = Annotated[float, Field(ge=0, le=1)]
 SpeedDistribution = Annotated[tuple[Probability, ...], Field(min_length=3, max_length=3), AfterValidator(_sums_to_one)]
 
 
-class Human(Section):
+class Human(Settings):
     """How a simulated human reacts to the robot (paper, section 3.4, Table 1); only `p_S` has no default."""
 
     p_S: SpeedDistribution = Field(description="probabilities of moving at speed 1, 2 and 3; they sum to 1")

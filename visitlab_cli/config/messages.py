@@ -9,6 +9,7 @@ from pydantic_core import ErrorDetails
 from visitlab_cli.config.model import Config
 from visitlab_cli.config.names import MODULE_PATTERN, MODULE_RULE, NAME_RULE
 from visitlab_cli.config.problems import Issue, Path, or_else, shown
+from visitlab_cli.settings import key_of, keys_of
 
 TAGGED_SECTIONS = ("agents", "experiments")
 EXTRA_KEYS: dict[str, tuple[str, ...]] = {"": ("include",), "humans": ("like",), "agents": ("like",)}
@@ -105,14 +106,14 @@ def _known_keys(loc: Path) -> Iterator[str]:
     """The keys that the mapping at `loc` (with tags) may have."""
     model: type[BaseModel] = Config
     for part in loc:
-        field = model.model_fields.get(str(part))
+        field = next((found for name, found in model.model_fields.items() if key_of(model, name) == part), None)
         fitting = list(_models(field.annotation if field else None))
         if not fitting and loc[0] in TAGGED_SECTIONS:
             annotation = Config.model_fields[str(loc[0])].annotation
             fitting = [found for found in _models(annotation) if _has_tag(found, part)]
         if len(fitting) == 1:
             model = fitting[0]
-    yield from model.model_fields
+    yield from keys_of(model)
     yield from EXTRA_KEYS.get(str(loc[0]) if loc else "", ())
 
 

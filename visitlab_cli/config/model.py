@@ -7,8 +7,9 @@ from pydantic import AfterValidator, Discriminator, Field, JsonValue, Tag
 
 from visitlab_cli.agents.registry import AnyAgent
 from visitlab_cli.config.experiments import Experiment
-from visitlab_cli.config.human import Human, Section
-from visitlab_cli.config.names import RESERVED_EXPERIMENTS, Name
+from visitlab_cli.config.human import Human
+from visitlab_cli.config.names import LOG_ENDING, RESERVED_EXPERIMENTS, RESERVED_RUNS, Name
+from visitlab_cli.settings import Settings
 from visitlab_cli.world.geometry import DISTANCES
 
 
@@ -24,6 +25,14 @@ def _not_reserved(name: str) -> str:
     return name
 
 
+def _no_word(name: str) -> str:
+    if name.lower() in RESERVED_RUNS:
+        raise ValueError(f"{name.lower()} stands for a run, whatever its name; choose another")
+    if name.lower().endswith(LOG_ENDING):
+        raise ValueError(f"what ends in {LOG_ENDING} stands for a log; choose another")
+    return name
+
+
 def _first_to_last(trials: tuple[int, ...]) -> tuple[int, ...]:
     if trials[0] > trials[1]:
         raise ValueError("must go from the first trial to the last")
@@ -32,10 +41,11 @@ def _first_to_last(trials: tuple[int, ...]) -> tuple[int, ...]:
 
 TrialNumber = Annotated[int, Field(ge=1, le=10**9)]
 Distance = Annotated[int, Field(ge=1, le=10_000)]
+RunName = Annotated[Name, AfterValidator(_no_word)]
 ExperimentName = Annotated[Name, AfterValidator(_not_reserved)]
 
 
-class Interaction(Section):
+class Interaction(Settings):
     """What distance between robot and human is which."""
 
     distances: Annotated[tuple[Distance, ...], Field(min_length=4, max_length=4), AfterValidator(_increasing)] = Field(
@@ -45,7 +55,7 @@ class Interaction(Section):
     )
 
 
-class OneTrialIn(Section):
+class OneTrialIn(Settings):
     """Record some trials."""
 
     one_trial_in: int = Field(ge=1, le=10**9, description="n records the trials 0, n, 2 n, ...")
@@ -61,7 +71,7 @@ Steps = Annotated[
 ]
 
 
-class Record(Section):
+class Record(Settings):
     """What is written to the logs; the tables of trials are whole anyway."""
 
     steps: Steps = Field(default="every", description="every, none, or {one_trial_in: n}")
@@ -77,7 +87,7 @@ class Record(Section):
 TrialRange = Annotated[tuple[TrialNumber, ...], Field(min_length=2, max_length=2), AfterValidator(_first_to_last)]
 
 
-class Expected(Section):
+class Expected(Settings):
     """What a module or visit should reach; a run that misses it exits with 4."""
 
     value: float = Field(
@@ -92,10 +102,10 @@ class Expected(Section):
     )
 
 
-class Config(Section):
+class Config(Settings):
     """A config: who is there, what is trained and visited, how often, and what is recorded."""
 
-    name: Name = Field(description="the run's name; its folder is called <name>-<hash>")
+    name: RunName = Field(description="the run's name; its folder is called <name>-<hash>")
     seed: int = Field(default=0, ge=0, lt=2**63, description="root of every random number")
     seeds: int = Field(default=1, ge=1, le=100_000, description="independent repetitions of each cell")
     humans: dict[Name, Human] = Field(default={}, description="the humans, by name")

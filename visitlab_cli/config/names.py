@@ -18,6 +18,11 @@ ModuleName = Annotated[str, Field(pattern=MODULE_PATTERN)]
 RESERVED_EXPERIMENTS = ("config.yaml", "versions.json", "evaluations", "figures", "report.html")
 """What else lies in a run folder beside the experiments' own folders."""
 
+RESERVED_RUNS = ("latest",)
+"""What else a word may mean where the name of a run may stand, in any case of letters."""
+LOG_ENDING = ".mcap"
+"""How a word ends that means a log there."""
+
 
 class Module(NamedTuple):
     """A trained module of a visit: the experiment that trains it, the agent, in the social task the human."""

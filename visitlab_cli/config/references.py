@@ -8,6 +8,7 @@ from visitlab_cli.config.experiments import MODULE_TASKS, SocialTraining, Traini
 from visitlab_cli.config.human import Human
 from visitlab_cli.config.names import module
 from visitlab_cli.config.problems import Issue, Path, or_else, printable
+from visitlab_cli.settings import key_of
 from visitlab_cli.world.columns import SOCIAL, VISIT
 
 
@@ -61,17 +62,17 @@ def _each_declared(what: str, path: Path, names: Sequence[str], known: Mapping[s
 
 def _agent(path: Path, agent: AgentParameters, declared: Declared) -> Iterator[Issue]:
     for field, kinds in agent.references.items():
-        name = getattr(agent, field)
+        name, key = getattr(agent, field), key_of(type(agent), field)
         other = declared.agents.get(name)
         if name not in declared.agents:
             others = [known for known in declared.agents if known != path[-1]]
-            yield Issue((*path, field), f"no agent is called {printable(name)}{or_else(name, others)}")
+            yield Issue((*path, key), f"no agent is called {printable(name)}{or_else(name, others)}")
         elif other is not None and kinds and _kind(other) not in kinds:
             message = f"must name an agent of kind {' or '.join(kinds)} ({name} is of kind {_kind(other)})"
-            yield Issue((*path, field), message)
+            yield Issue((*path, key), message)
         elif other is not None and not kinds and other.references:
             message = f"{name} refers to other agents itself; name one that does not"
-            yield Issue((*path, field), message)
+            yield Issue((*path, key), message)
 
 
 def _kind(agent: AgentParameters) -> str:

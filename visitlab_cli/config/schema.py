@@ -2,11 +2,12 @@
 
 import json
 import re
+from collections.abc import Sequence
 from typing import Any
 
 from visitlab_cli.config.like import LIKE, SECTIONS
 from visitlab_cli.config.model import Config
-from visitlab_cli.config.names import RESERVED_EXPERIMENTS
+from visitlab_cli.config.names import LOG_ENDING, RESERVED_EXPERIMENTS, RESERVED_RUNS
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 
@@ -30,10 +31,12 @@ def schema() -> dict[str, Any]:
             other = _starting_from_another(section, entry, result["$defs"])
             patterns[pattern] = {"if": {"required": [LIKE]}, "then": other, "else": entry}
     experiments = result["properties"]["experiments"]
-    free = f"(?!(?:{'|'.join(re.escape(name) for name in RESERVED_EXPERIMENTS)})$)"
+    free = _but(RESERVED_EXPERIMENTS)
     experiments["patternProperties"] = {
         pattern.replace("^", f"^{free}", 1): entry for pattern, entry in experiments["patternProperties"].items()
     }
+    name = result["properties"]["name"]
+    name["pattern"] = name["pattern"].replace("^", f"^{_but(RESERVED_RUNS)}(?!.*{_any_case(LOG_ENDING)}$)", 1)
     start = result["$defs"]["SocialTraining"]["properties"]["start_from"]
     del start["default"]  # null, which nobody may write
     start |= next(each for each in start.pop("anyOf") if each["type"] == "string")
@@ -42,6 +45,16 @@ def schema() -> dict[str, Any]:
     result["required"] = ["name"]
     result["anyOf"] = [{"required": ["agents", "experiments"]}, {"required": ["include"]}]
     return result
+
+
+def _but(words: Sequence[str]) -> str:
+    """A pattern's beginning that none of these words fits."""
+    return f"(?!(?:{'|'.join(map(_any_case, words))})$)"
+
+
+def _any_case(word: str) -> str:
+    letters = (f"[{each}{each.upper()}]" if each.islower() else re.escape(each) for each in word)
+    return "".join(letters)
 
 
 def _starting_from_another(section: str, entry: dict[str, Any], definitions: dict[str, Any]) -> dict[str, Any]:

@@ -6,33 +6,14 @@ the machine is faster or slower; twice as much or half as much is still the righ
 """
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import NamedTuple, get_args
 
+from visitlab_cli.agents.base import AgentParameters
+from visitlab_cli.agents.registry import AnyAgent
+from visitlab_cli.agents.uniform_random import RandomParameters
 from visitlab_cli.config.experiments import Visit
 from visitlab_cli.execution.cells import Cell
 from visitlab_cli.world.columns import GO_TO_HUMAN, NAVIGATION, SOCIAL, VISIT
-
-MICROSECONDS_A_STEP = {
-    NAVIGATION: {"random": 0.6, "q_learning": 1.1, "model_based": 2.5, "rmax": 2.8, "observer": 2.2},
-    GO_TO_HUMAN: {"random": 0.9, "q_learning": 0.9, "model_based": 1.3, "rmax": 1.3, "observer": 1.7},
-    SOCIAL: {
-        "random": 2.1,
-        "q_learning": 1.7,
-        "model_based": 5.3,
-        "rmax": 5.2,
-        "observer": 4.5,
-        "scripted": 2.4,
-    },
-    VISIT: {
-        "random": 2.7,
-        "q_learning": 2.9,
-        "model_based": 22.0,
-        "rmax": 20.0,
-        "observer": 3.5,
-        "scripted": 3.7,
-    },
-}
-"""By task and kind of agent; in a visit that of the social module."""
 
 LOG_BYTES_A_STEP = {NAVIGATION: 38.0, GO_TO_HUMAN: 38.0, SOCIAL: 43.0, VISIT: 42.0}
 """A recorded step in `steps.mcap`."""
@@ -66,8 +47,15 @@ def estimate(cells: Sequence[Cell], workers: int) -> Estimate:
 
 
 def _seconds(cell: Cell) -> float:
-    agent = "random" if cell.frozen else cell.config.agents[cell.agent].kind  # a frozen table neither learns nor plans
-    return cell.steps * MICROSECONDS_A_STEP[cell.task][agent] / 1e6
+    agent = RandomParameters if cell.frozen else cell.config.agents[cell.agent]  # frozen: neither learns nor plans
+    told = agent.microseconds_a_step.get(cell.task)
+    return cell.steps * (_dearest(cell.task) if told is None else told) / 1e6
+
+
+def _dearest(task: str) -> float:
+    """The microseconds of a step of the dearest kind that tells them."""
+    kinds: tuple[type[AgentParameters], ...] = get_args(get_args(AnyAgent)[0])
+    return max(kind.microseconds_a_step.get(task, 0.0) for kind in kinds)
 
 
 def _ends(cells: Sequence[Cell], seconds: dict[str, float]) -> dict[str, float]:

@@ -73,9 +73,7 @@ def _pair(cell: Cell) -> str:
     agent = cell.config.agents[cell.agent]
     started = bool(cell.modules) and cell.task != VISIT  # an observer that goes on is of another type
     kinds = [cell.task, agent.kind, "frozen" if cell.frozen else "", "started" if started else ""]
-    watches = getattr(agent, "watches", None)
-    if watches is not None:
-        kinds.append(cell.config.agents[watches].kind)
+    kinds += [cell.config.agents[getattr(agent, other)].kind for other in agent.references]
     return "-".join(filter(None, kinds))
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from visitlab_cli.config.canonical import canonical_json, config_hash, dump_yaml, hashed
 from visitlab_cli.config.loading import load
 from visitlab_cli.config.model import Config
+from visitlab_cli.config.names import RESERVED_RUNS
 from visitlab_cli.config.problems import printable
 from visitlab_cli.errors import ConfigError, NotFoundError, RunError, UsageError
 from visitlab_cli.storage.cell_folder import DAMAGED, one_line, read_cell, reason, sync, to_json, write_durably
@@ -16,7 +17,7 @@ from visitlab_cli.storage.on_disk import cell_folders, set_aside
 from visitlab_cli.whole_file import whole_file
 
 CONFIG, VERSIONS = "config.yaml", "versions.json"
-LATEST = "latest"
+(LATEST,) = RESERVED_RUNS
 
 
 def run_name(config: Config) -> str:
