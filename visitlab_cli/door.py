@@ -21,6 +21,7 @@ from visitlab_cli.execution.evaluation import Evaluation
 from visitlab_cli.recording.reader import Columns, read_steps, read_trial
 from visitlab_cli.storage.arrays import Arrays, read_model, read_trials
 from visitlab_cli.storage.cell_folder import MODEL, STEPS, TRIALS, read_cell
+from visitlab_cli.storage.made_by import sources_of
 from visitlab_cli.storage.run_folder import find_run, read_config, read_versions
 
 
@@ -39,6 +40,11 @@ class LoadedCell:
     point: dict[str, str]
     seed: int
     facts: dict[str, Any] = field(repr=False)
+
+    @property
+    def sources(self) -> str:
+        """The hash of the code that made the cell; 'unknown' for one of before cells said it."""
+        return sources_of(self.facts)
 
     @property
     def trials(self) -> Arrays:

@@ -15,6 +15,7 @@ from visitlab_cli.analysis.summary_groups import Group, groups_of, unit_values
 from visitlab_cli.execution.cells import Cell
 from visitlab_cli.storage.arrays import read_trials
 from visitlab_cli.storage.cell_folder import TIMING, TRIALS, read_cell
+from visitlab_cli.storage.made_by import made_by
 
 LEVEL = 0.9
 """The part of the final value that counts as learned."""
@@ -27,7 +28,8 @@ class Summary(NamedTuple):
 
     `value` is the mean over independent seeds (`n` of them) of the last tenth of trials (frozen: of all), `median`
     theirs. `steps_to_level` is the median over cells of `steps_to`, for `level` of the value; None where half of the
-    cells or more never get there, or the value is not positive. `seconds` is the mean time of a cell.
+    cells or more never get there, or the value is not positive. `seconds` is the mean time of a cell, `sources` the
+    hashes of the code that made the cells.
     """
 
     group: Group
@@ -38,6 +40,7 @@ class Summary(NamedTuple):
     level: float | None
     steps_to_level: float | None
     seconds: float | None
+    sources: tuple[str, ...]
 
     def as_json(self) -> dict[str, Any]:
         """The line as plain values."""
@@ -57,6 +60,7 @@ class Summary(NamedTuple):
             "level": self.level,
             "steps_to_level": self.steps_to_level,
             "seconds_a_cell": self.seconds,
+            "sources": list(self.sources),
         }
 
     def as_row(self) -> dict[str, Any]:
@@ -64,7 +68,8 @@ class Summary(NamedTuple):
         told = self.as_json()
         del told["evaluation"]  # a table is of one
         low, high = told.pop("interval") or (None, None)
-        return {**told.pop("point"), **told, "low": low, "high": high}
+        made_by = " and ".join(told.pop("sources"))
+        return {**told.pop("point"), **told, "low": low, "high": high, "sources": made_by}
 
 
 def summaries(run: Path, cells: Sequence[Cell], level: float = LEVEL) -> list[Summary]:
@@ -81,7 +86,7 @@ def summaries(run: Path, cells: Sequence[Cell], level: float = LEVEL) -> list[Su
 def _summary(run: Path, group: Group, level: float) -> Summary:
     done = [cell for cell in group.cells if read_cell(run / cell.path) is not None]
     if not done:
-        return Summary(group, 0, 0, None, None, None, None, None)
+        return Summary(group, 0, 0, None, None, None, None, None, ())
     values = list(unit_values(run, done).values())
     value = mean_of(values)
     seconds = [time for cell in done if (time := _seconds(run / cell.path)) is not None]
@@ -95,6 +100,7 @@ def _summary(run: Path, group: Group, level: float) -> Summary:
         wanted,
         None if wanted is None else _median_steps(run, done, wanted),
         fmean(seconds) if seconds else None,
+        tuple(made_by(run, (cell.path for cell in done))),
     )
 
 

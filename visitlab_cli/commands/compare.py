@@ -60,6 +60,7 @@ def command(
     from visitlab_cli.errors import NotFoundError, UsageError
     from visitlab_cli.execution.cells import plan
     from visitlab_cli.execution.runner import missing_cells
+    from visitlab_cli.storage.made_by import made_by, mixed
     from visitlab_cli.storage.run_folder import find_run, read_config
 
     if not math.isfinite(margin):
@@ -100,6 +101,8 @@ def command(
         )
     else:
         typer.echo(_text(compared, margin))
+    if told := mixed(made_by(folder, (cell.path for cell in cells))):
+        typer.echo(f"{folder}: {told}", err=True)
     if missing := missing_cells(folder, cells):
         told = f"{len(missing)} of {len(cells)} cells are not done, or damaged; they don't count"
         typer.echo(f"{folder}: {told}", err=True)

@@ -97,6 +97,8 @@ def run_missing(run: Path, cells: "Sequence[Cell]", how: How) -> "Failures | Non
     from visitlab_cli.execution.progress import Progress
     from visitlab_cli.execution.runner import missing_cells, run_cells
     from visitlab_cli.execution.warm_up import warm_up
+    from visitlab_cli.sources import sources
+    from visitlab_cli.storage.made_by import continued, made_by
     from visitlab_cli.storage.on_disk import bytes_below
     from visitlab_cli.storage.run_folder import edited
 
@@ -104,6 +106,9 @@ def run_missing(run: Path, cells: "Sequence[Cell]", how: How) -> "Failures | Non
     if cells and (note := edited(run, cells[0].run_hash)):
         progress.say(note)
     missing = missing_cells(run, cells)
+    needed = [path for cell in cells for path in (cell.path, *cell.modules.values())]
+    if told := continued(made_by(run, needed), sources(), bool(missing)):
+        progress.warn(f"{run}: {told}")
     if missing:
         cost = estimate(missing, workers)
         there = f"about {duration(cost.seconds)} and {size_in_words(cost.bytes)} on the disk"

@@ -10,6 +10,7 @@ from visitlab_cli.commands.optimum import aligned
 
 if TYPE_CHECKING:
     from visitlab_cli.analysis.pairs import Pair
+    from visitlab_cli.execution.cells import Cell
 
 
 MOST_NAMED = 6
@@ -21,8 +22,10 @@ def tell_by(folder: Path, key: str, as_json: bool) -> None:
     from visitlab_cli.execution.cells import plan
     from visitlab_cli.storage.run_folder import read_config
 
-    compared = compare_by(folder, plan(read_config(folder)), key)
+    cells = plan(read_config(folder))
+    compared = compare_by(folder, cells, key)
     notes = _left_out(f"nothing differs from it in {key} alone", compared.alone)
+    notes += _by_different_code({folder: cells})
     told = {"run": str(folder), "by": key, "not_compared": compared.alone}
     _tell(told, compared.pairs, notes, as_json)
 
@@ -31,6 +34,17 @@ def _left_out(reason: str, alone: list[str]) -> list[str]:
     from visitlab_cli.config.problems import few
 
     return [f"Not compared, {reason}: {few(alone, MOST_NAMED)}."] if alone else []
+
+
+def _by_different_code(planned: "dict[Path, list[Cell]]") -> list[str]:
+    """That what is compared was made by different code, if it was."""
+    from visitlab_cli.storage.made_by import made_by, mixed
+
+    found: dict[str, list[str]] = {}
+    for run, cells in planned.items():
+        for sources, paths in made_by(run, (cell.path for cell in cells)).items():
+            found.setdefault(sources, []).extend(f"{run.name}/{path}" for path in paths)
+    return [f"Note: {line}" for line in [mixed(found)] if line]
 
 
 def tell_runs(first: Path, second: Path, as_json: bool) -> None:
@@ -48,12 +62,13 @@ def tell_runs(first: Path, second: Path, as_json: bool) -> None:
     told = {"first": str(first), "second": str(second), "config": [each.as_json("first", "second") for each in changes]}
     notes = _left_out("the other run has none of that name", compared.alone)
     notes += [f"in {second.name} {in_words(changes)}"] if changes else []
+    notes += _by_different_code(dict([ours, theirs]))
     _tell({**told, "not_compared": compared.alone}, compared.pairs, notes, as_json)
 
 
 def _tell(told: dict[str, Any], pairs: "list[Pair]", notes: list[str], as_json: bool) -> None:
     if as_json:
-        whole = {**told, "confidence": 0.95, "pairs": [pair.as_json() for pair in pairs]}
+        whole = {**told, "confidence": 0.95, "notes": notes, "pairs": [pair.as_json() for pair in pairs]}
         typer.echo(json.dumps(whole, indent=2, allow_nan=False))
         return
     head = ["where", "measure", "first", "second", "seeds", "mean", "mean of second", "difference", "n", "improves"]

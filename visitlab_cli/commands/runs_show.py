@@ -31,6 +31,7 @@ def command(
     from visitlab_cli.config.canonical import config_hash
     from visitlab_cli.errors import UsageError
     from visitlab_cli.execution.cells import plan
+    from visitlab_cli.storage.made_by import made_by, mixed
     from visitlab_cli.storage.run_folder import edited, find_run, read_config
 
     if not 0 < level <= 1 or math.isnan(level):
@@ -40,6 +41,8 @@ def command(
     if note := edited(folder, config_hash(config)):
         typer.echo(note, err=True)
     cells = plan(config)
+    if told := mixed(made_by(folder, (cell.path for cell in cells))):
+        typer.echo(f"{folder}: {told}", err=True)
     line = run_line(folder, config, cells)
     played = [cell for those in evaluated(folder, config).values() for cell in those]
     lines = summaries(folder, [*cells, *played], level)

@@ -19,8 +19,9 @@ from visitlab_cli.execution.versions import versions
 from visitlab_cli.random_numbers import RandomState, random_state
 from visitlab_cli.recording.writer import StepRecorder
 from visitlab_cli.simulation.loop import BLOCK_ROWS, START, play
+from visitlab_cli.sources import sources
 from visitlab_cli.storage.arrays import read_model, write_model, write_trials
-from visitlab_cli.storage.cell_folder import MODEL, STEPS, TRIALS, NewCell
+from visitlab_cli.storage.cell_folder import MODEL, SOURCES, STEPS, TRIALS, NewCell
 from visitlab_cli.world.columns import VISIT, StepColumns, empty_columns
 
 Report = Callable[[int], None]
@@ -106,6 +107,7 @@ def facts_of(cell: Cell, trial_rewards: np.ndarray[Any, np.dtype[np.float64]]) -
         "mean_reward_last_tenth": last_mean(trial_rewards, 10),
         "config_hash": cell.run_hash,
         "versions": versions(),
+        SOURCES: sources(),
     }
 
 

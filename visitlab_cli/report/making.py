@@ -15,7 +15,8 @@ from visitlab_cli.report.best_trial import best_trials
 from visitlab_cli.report.curves import Chart, charts_of
 from visitlab_cli.report.facts import Facts
 from visitlab_cli.report.page import BEGINNING, render
-from visitlab_cli.storage.cell_folder import one_line, read_cell
+from visitlab_cli.storage.cell_folder import SOURCES, one_line, read_cell
+from visitlab_cli.storage.made_by import sources_of
 from visitlab_cli.storage.run_folder import read_config, read_versions, run_name
 from visitlab_cli.whole_file import write_whole
 
@@ -66,6 +67,7 @@ def _versions(run: Path, cells: Sequence[Cell]) -> dict[str, list[str]]:
     for versions in (read_versions(run), *(each.get("versions", {}) for each in facts)):
         for name, version in versions.items():
             found.setdefault(name, set()).add(str(version))
+    found[SOURCES] = {sources_of(each) for each in facts}
     return {name: sorted(versions) for name, versions in found.items()}
 
 

@@ -12,6 +12,7 @@ from visitlab_cli.report.facts import Facts, counted
 from visitlab_cli.report.hues import COLOURS
 from visitlab_cli.report.markup import Html, element
 from visitlab_cli.report.names import breakable
+from visitlab_cli.storage.cell_folder import SOURCES
 from visitlab_cli.world.columns import GO_TO_HUMAN, NAVIGATION, SOCIAL, VISIT
 
 TASKS = {
@@ -152,7 +153,7 @@ def repeat(facts: Facts) -> Html:
         "Repeat it",
         element("p", "Save the config as ", element("code", file), " and run"),
         element("div", element("pre", command, id="command"), _copy("command"), class_="code"),
-        element("p", f"With these versions every table, log and model of {facts.name} comes out again, byte by byte."),
+        element("p", _what_comes_again(facts)),
         element("table", element("tbody", *rows), class_="versions", aria_label="Versions"),
         element(
             "details",
@@ -166,6 +167,12 @@ def repeat(facts: Facts) -> Html:
             ),
         ),
     )
+
+
+def _what_comes_again(facts: Facts) -> str:
+    if len(facts.versions.get(SOURCES, ())) > 1:
+        return "Its cells were made by different code, so no single one makes all of it again; see the sources below."
+    return f"With these versions every table, log and model of {facts.name} comes out again, byte by byte."
 
 
 def _copy(what: str) -> Html:

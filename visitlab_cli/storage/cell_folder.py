@@ -17,6 +17,7 @@ from types import TracebackType
 from typing import Any, Self
 
 from visitlab_cli.errors import RunError
+from visitlab_cli.sources import is_sources
 
 CELL_FORMAT = 1
 FACTS: dict[str, type | tuple[type, ...]] = {
@@ -30,6 +31,8 @@ FACTS: dict[str, type | tuple[type, ...]] = {
     "versions": dict,
 }
 """What `cell.json` says beside `format` and `files`."""
+SOURCES = "sources"
+"""What it says, too, but for cells of version 0.1.0: the hash of the code that made it."""
 STEPS, TRIALS, MODEL, CELL, TIMING = "steps.mcap", "trials.parquet", "model.npz", "cell.json", "timing.json"
 TEMPORARY = ".tmp-"
 DAMAGED = ".damaged"
@@ -148,6 +151,7 @@ def read_cell(place: Path) -> dict[str, Any] | None:
         sizes = {name: (place / name).stat().st_size for name in cell["files"]}
         whole = all(sizes[name] == facts["size"] for name, facts in cell["files"].items())
         whole = whole and all(isinstance(cell[name], kind) for name, kind in FACTS.items())
+        whole = whole and (SOURCES not in cell or is_sources(cell[SOURCES]))
     except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return None
     return cell if whole else None

@@ -9,8 +9,20 @@ import numpy as np
 import numpy.typing as npt
 
 from visitlab_cli.errors import VisitlabError
+from visitlab_cli.sources import is_sources
 from visitlab_cli.storage.arrays import read_trials
-from visitlab_cli.storage.cell_folder import CELL, CELL_FORMAT, FACTS, MODEL, STEPS, TRIALS, describe, one_line, to_json
+from visitlab_cli.storage.cell_folder import (
+    CELL,
+    CELL_FORMAT,
+    FACTS,
+    MODEL,
+    SOURCES,
+    STEPS,
+    TRIALS,
+    describe,
+    one_line,
+    to_json,
+)
 from visitlab_cli.storage.on_disk import was_set_aside
 
 MEANS = {"mean_reward_last_hundredth": 100, "mean_reward_last_tenth": 10}
@@ -63,6 +75,8 @@ def _malformed(cell: Any, text: str) -> str | None:
             return f"damaged: {key} is {'missing' if key not in cell else 'of another kind'}"
     if cell["format"] != CELL_FORMAT:
         return f"of format {cell['format']}, not {CELL_FORMAT}"
+    if SOURCES in cell and not is_sources(cell[SOURCES]):
+        return f"damaged: {SOURCES} is no hash of sources"
     if not all(_is_description(described) for described in cell["files"].values()):
         return "damaged: a file is not described by size and sha256"
     if not all(isinstance(version, str) for version in cell["versions"].values()):

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from visitlab_cli.config.problems import few
 from visitlab_cli.storage.cell_folder import TIMING
+from visitlab_cli.storage.made_by import made_by, mixed
 from visitlab_cli.storage.removal import foreign_files
 
 MOST_NAMED = 3
@@ -19,6 +20,8 @@ def notes(run: Path, found: Collection[str], planned: Collection[str] | None) ->
         found: the paths of the cells in it.
         planned: the paths of the cells that its config has, or an evaluation; None where the config is in doubt.
     """
+    if told := mixed(made_by(run, found)):
+        yield told
     if unplanned := sorted(set(found) - set(found if planned is None else planned)):
         yield f"not in the plan of the run's config (has it less seeds than before?): {few(unplanned, MOST_NAMED)}"
     if untimed := [f"{path}/{TIMING}" for path in found if not _is_read(run / path / TIMING)]:
