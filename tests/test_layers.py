@@ -11,7 +11,9 @@ import visitlab_cli
 PACKAGE = Path(visitlab_cli.__file__).parent
 FLOORS = [
     {"__init__", "errors", "settings", "sources", "stopping"},
-    {"whole_file"},
+    {"surroundings", "terminal"},
+    {"same_pictures", "whole_file"},
+    {"kernel_cache"},
     {"compiled"},
     {"random_numbers"},
     {"world"},
@@ -115,4 +117,5 @@ def test_commands_load_nothing_heavy():
                     "commands",
                     "errors",
                     "stopping",
+                    "terminal",
                 }, (file, name)

@@ -5,9 +5,7 @@ named by a hash of every source file that kernels live in, since numba's own cac
 file that a kernel calls: an edited rule would silently run as before.
 """
 
-import os
 import platform
-import shutil
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -18,16 +16,15 @@ from typing import Any, TypeVar, cast
 import llvmlite
 import llvmlite.binding
 import numba
-import platformdirs
 from numba.core import types
 from numba.extending import overload
 
+from visitlab_cli.kernel_cache import Place, cache_of, place
 from visitlab_cli.sources import digest_of, files_of
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
-ROOM_FOR_CACHE = 64 * 2**20  # bytes: numba fails where it can't write, so a full disk is no cache at all
-KERNEL_SOURCES = ("compiled.py", "random_numbers.py", "world", "agents", "simulation")
+KERNEL_SOURCES = ("compiled.py", "kernel_cache.py", "random_numbers.py", "world", "agents", "simulation")
 _settings: Any = numba.config
 JIT_DISABLED = bool(_settings.DISABLE_JIT)
 
@@ -43,16 +40,14 @@ def sources_hash() -> str:
 
 
 @cache
+def cache_place() -> Place:
+    """Where this version's machine code is kept, or why nowhere."""
+    return place(f"kernels-{sources_hash()}")
+
+
 def cache_folder() -> Path | None:
-    """The folder of this version's machine code, made private; None where none can be written or the disk is full."""
-    try:
-        root = Path(os.environ.get("VISITLAB_CACHE") or platformdirs.user_cache_path("visitlab"))
-        folder = root / f"kernels-{sources_hash()}"
-        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-        full = shutil.disk_usage(folder).free < ROOM_FOR_CACHE
-    except (OSError, RuntimeError):
-        return None
-    return folder if os.access(folder, os.W_OK) and not full else None
+    """The folder of this version's machine code, which is ours alone; None where there is none."""
+    return cache_place().folder
 
 
 @contextmanager
@@ -72,8 +67,10 @@ def kernel(function: Function) -> Function:
     compiler: Any = numba.njit
     if JIT_DISABLED or folder is None:
         return cast(Function, compiler(nogil=True)(function))
+    dispatcher = compiler(nogil=True)(function)
     with _numba_cache(folder):
-        return cast(Function, compiler(cache=True, nogil=True)(function))
+        dispatcher._cache = cache_of(function)
+    return cast(Function, dispatcher)
 
 
 class Operation:

@@ -6,7 +6,7 @@ import uuid
 from collections.abc import Iterator
 from pathlib import Path
 
-from visitlab_cli.errors import RunError, UsageError
+from visitlab_cli.errors import RunError, UsageError, reason
 
 SIGNATURE = 4
 """So many bytes tell a picture's or a recording's format."""
@@ -24,7 +24,7 @@ def whole_file(path: Path) -> Iterator[Path]:
         yield beside
         os.replace(beside, path)
     except OSError as error:
-        raise RunError(f"{path}: can't be written: {error.strerror or error}") from error
+        raise RunError(f"{path}: can't be written: {reason(error)}") from error
     finally:
         with contextlib.suppress(OSError):
             beside.unlink(missing_ok=True)

@@ -1,19 +1,19 @@
 """Compiling before the workers start, once, and saying so; a damaged cache is thrown away and made anew."""
 
 import contextlib
-import shutil
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 
 from visitlab_cli.agents.base import AgentParameters, Saved, Setting
-from visitlab_cli.compiled import JIT_DISABLED, cache_folder
+from visitlab_cli.compiled import JIT_DISABLED, cache_folder, cache_place
 from visitlab_cli.config.experiments import Visit
-from visitlab_cli.errors import VisitlabError
 from visitlab_cli.execution.build import Simulation, build
 from visitlab_cli.execution.cell_runner import simulate
 from visitlab_cli.execution.cells import Cell
+from visitlab_cli.kernel_cache import VARIABLE, KernelCache
 from visitlab_cli.random_numbers import random_state
 from visitlab_cli.stopping import check_asked, nothing_to_lose
 from visitlab_cli.world.columns import GO_TO_HUMAN, NAVIGATION, SOCIAL, VISIT, StepColumns
@@ -42,26 +42,17 @@ def compile_here(cell: Cell) -> None:
 
 def _warm_up(cells: Sequence[Cell], say: Callable[[str], None]) -> None:
     folder = cache_folder()
+    KernelCache.damage_found = cache(lambda: say("the cache of compiled code is damaged: compiling again"))
     announced = False
     for name, cell in {_pair(cell): cell for cell in cells}.items():
         marker = None if folder is None else folder / (COMPILED + name)
         if not announced and (marker is None or not marker.exists()):
             announced = True
             if folder is None:
-                say("compiling (each time: no cache folder can be written; set VISITLAB_CACHE to one that can)")
+                say(f"compiling (each time: {cache_place().why}; set {VARIABLE} to a folder of your own)")
             else:
                 say("compiling (first run only, about ten seconds)")
-        try:
-            _play_one_step(cell)
-        except VisitlabError:
-            raise
-        except Exception:
-            if folder is None:
-                raise
-            say("the cache of compiled code is damaged: compiling again")
-            shutil.rmtree(folder, ignore_errors=True)
-            folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-            _play_one_step(cell)
+        _play_one_step(cell)
         _compiled_here.add(name)
         if marker is not None:
             with contextlib.suppress(OSError):
