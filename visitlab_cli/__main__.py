@@ -2,13 +2,21 @@
 
 import signal
 
+from visitlab_cli.errors import UsageError
 from visitlab_cli.stopping import end_at_once, ending_signals
+from visitlab_cli.surroundings import shut_out
+from visitlab_cli.terminal import end, open_streams
 
 
 def main() -> None:
     """Import the command line, which takes a moment, and run it."""
+    open_streams()
     for number in ending_signals():
         signal.signal(number, end_at_once)
+    try:
+        shut_out()
+    except UsageError as error:
+        end(error.exit_code, str(error))
     from visitlab_cli.cli import main as command_line
 
     command_line()

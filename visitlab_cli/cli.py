@@ -1,6 +1,7 @@
 """The command line: one file a command in `commands/`; nothing heavy is imported before a command runs."""
 
-import contextlib
+import errno
+import os
 import sys
 from typing import Annotated
 
@@ -29,8 +30,9 @@ from visitlab_cli.commands import (
 from visitlab_cli.commands import eval as eval_command
 from visitlab_cli.commands.options import NoColor
 from visitlab_cli.commands.program import Program
-from visitlab_cli.errors import Interrupted, NotFoundError, RunError, VisitlabError
+from visitlab_cli.errors import Interrupted, NotFoundError, RunError, VisitlabError, reason
 from visitlab_cli.stopping import interruptible, was_asked
+from visitlab_cli.terminal import end, lead_nowhere, tell
 
 app = typer.Typer(
     cls=Program,
@@ -44,7 +46,7 @@ app = typer.Typer(
 
 def _version(asked: bool) -> None:
     if asked:
-        typer.echo(__version__)
+        tell(__version__)
         raise typer.Exit
 
 
@@ -87,29 +89,33 @@ def main() -> None:
             failed = isinstance(error, SystemExit) and error.code  # and has said so
             if failed or not (was_asked() or isinstance(error, KeyboardInterrupt)):
                 raise
-            _end("interrupted", Interrupted.exit_code)
+            end(Interrupted.exit_code, "interrupted")
 
 
 def _run() -> None:
     try:
         app(prog_name="visitlab")
     except VisitlabError as error:
-        _end(str(error), error.exit_code)
+        end(error.exit_code, *map(str, error.args))
     except SystemExit as error:
         if isinstance(error.__context__, BrokenPipeError):  # rich: the reader of what it printed left
+            lead_nowhere()
             sys.exit(0)
         if error.code == Interrupted.exit_code:  # typer: it has caught Ctrl-C, and said nothing
             raise KeyboardInterrupt from None
         raise
     except MemoryError as error:
-        _end(f"not enough memory: {error}", RunError.exit_code)
+        end(RunError.exit_code, f"not enough memory: {error}")
     except OSError as error:
-        if error.filename is None:
-            _end(f"the output can't be written: {error.strerror}", RunError.exit_code)
-        _end(f"{error.filename}: {error.strerror}", NotFoundError.exit_code)
+        missing = error.filename is not None and isinstance(error, FileNotFoundError | NotADirectoryError)
+        end(NotFoundError.exit_code if missing else RunError.exit_code, f"{_what(error)}: {reason(error)}")
 
 
-def _end(line: str, exit_code: int) -> None:
-    with contextlib.suppress(OSError):
-        sys.stderr.write(f"{line}\n")
-    sys.exit(exit_code)
+def _what(error: OSError) -> str:
+    """What the system refused; help, which is not ours to print, is written without a name."""
+    if isinstance(error.filename, str | bytes | os.PathLike):
+        return os.fsdecode(error.filename)
+    if error.errno in (errno.EBADF, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.ENOSPC):
+        lead_nowhere()
+        return "the output can't be written"
+    return "the system does not let us go on"

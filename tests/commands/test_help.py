@@ -3,6 +3,7 @@
 import glob
 import os
 import shlex
+import shutil
 import subprocess
 import sys
 
@@ -112,6 +113,7 @@ def folder(tmp_path_factory):
     run = folder / "runs" / "quickstart-0123abcd"
     run.mkdir(parents=True)
     (run / "config.yaml").write_text(dump_yaml(load("quickstart", ["vary={agents.mb.epsilon: [0.1]}"])))
+    shutil.copytree(run, folder / "runs" / "quickstart-\x1b[2J")
     older = folder / "runs" / "older-0123abcd"
     older.mkdir()
     (older / "config.yaml").write_text(dump_yaml(load("quickstart", ["humans.another={p_S: [1, 0, 0]}"])))

@@ -1,6 +1,5 @@
 """`visitlab affordances`: what the social module believes, beside what is true."""
 
-import json
 import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -10,6 +9,7 @@ import typer
 from visitlab_cli.commands import completion
 from visitlab_cli.commands.optimum import aligned
 from visitlab_cli.commands.options import RUNS, At, Json, Out, Run
+from visitlab_cli.terminal import tell, tell_json, tell_text
 
 if TYPE_CHECKING:
     from visitlab_cli.analysis.affordances import Affordances, Graph
@@ -51,11 +51,11 @@ def command(
         from visitlab_cli.figures.affordance_picture import save_affordances
 
         save_affordances(found, picture)
-        typer.echo(json.dumps({"run": str(folder), "file": str(picture)}) if as_json else str(picture))
+        tell_json({"run": str(folder), "file": str(picture)}, None) if as_json else tell(str(picture))
     elif as_json:
-        typer.echo(json.dumps({"run": str(folder), **to_json(found)}, indent=2, allow_nan=False))
+        tell_json({"run": str(folder), **to_json(found)})
     else:
-        typer.echo(_text(found))
+        tell_text(_text(found))
 
 
 def _text(found: "Affordances") -> str:

@@ -3,7 +3,6 @@
 With the published curves there is a verdict on each, and the cause if one is there.
 """
 
-import json
 import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -13,6 +12,7 @@ import typer
 from visitlab_cli.commands import completion
 from visitlab_cli.commands.optimum import aligned
 from visitlab_cli.commands.options import RUNS, Json, Out, Run
+from visitlab_cli.terminal import tell, tell_json, tell_text
 
 if TYPE_CHECKING:
     from visitlab_cli.analysis.comparison import Compared, Comparison
@@ -92,20 +92,16 @@ def command(
         from visitlab_cli.figures.page.writing import write_page
 
         files = [str(file) for file in write_page(gather(folder, cells, compared, margin, variants), page, strip)]
-        typer.echo(json.dumps({"run": str(folder), "files": files}) if as_json else "\n".join(files))
+        tell_json({"run": str(folder), "files": files}, None) if as_json else tell(*files)
     elif as_json:
-        typer.echo(
-            json.dumps(
-                {"run": str(folder), "margin": margin, "confidence": 0.95, **_json(compared)}, indent=2, allow_nan=False
-            )
-        )
+        tell_json({"run": str(folder), "margin": margin, "confidence": 0.95, **_json(compared)})
     else:
-        typer.echo(_text(compared, margin))
+        tell_text(_text(compared, margin))
     if told := mixed(made_by(folder, (cell.path for cell in cells))):
-        typer.echo(f"{folder}: {told}", err=True)
+        tell(f"{folder}: {told}", err=True)
     if missing := missing_cells(folder, cells):
         told = f"{len(missing)} of {len(cells)} cells are not done, or damaged; they don't count"
-        typer.echo(f"{folder}: {told}", err=True)
+        tell(f"{folder}: {told}", err=True)
 
 
 def _json(compared: "Compared") -> dict[str, object]:

@@ -9,14 +9,18 @@ from pathlib import Path
 
 import typer
 
+from visitlab_cli.terminal import plain
+
 PACKAGE = Path(__file__).parent.parent
 LATEST, CONFIG = "latest", "config.yaml"
+MOST_LETTERS = 1 << 20  # of a config that is looked through
 NAMED = re.compile(r"^name:", re.MULTILINE)
 ENTRY = re.compile(r"  ([A-Za-z0-9][A-Za-z0-9._-]*):")
 
 
 def _beginning(names: list[str], incomplete: str) -> list[str]:
-    return [name for name in names if name.startswith(incomplete)]
+    """Those that may be what the user types; a name that a terminal would obey is not offered."""
+    return [name for name in names if name.startswith(incomplete) and name == plain(name)]
 
 
 def shipped(incomplete: str) -> list[str]:
@@ -45,7 +49,8 @@ def runs(ctx: typer.Context, incomplete: str) -> list[str]:
     folder, slash, begun = incomplete.rpartition("/")
     if slash:
         found = [path for path in sorted(Path(f"{folder}/").glob(f"{begun}*")) if path.is_dir()]
-        return [f"{folder}/{path.name}{'' if (path / CONFIG).is_file() else '/'}" for path in found]
+        names = [f"{folder}/{path.name}{'' if (path / CONFIG).is_file() else '/'}" for path in found]
+        return _beginning(names, incomplete)
     return _beginning([run.name for run in _all_runs(ctx)] + [LATEST], incomplete)
 
 
@@ -92,7 +97,9 @@ def _declared(ctx: typer.Context, section: str) -> list[str]:
 
 def _entries(config: Path, section: str) -> Iterator[str]:
     inside = False
-    for line in config.read_text(encoding="utf-8", errors="replace").splitlines():
+    with config.open(encoding="utf-8", errors="replace") as file:
+        lines = file.read(MOST_LETTERS).splitlines()
+    for line in lines:
         if not line.startswith(" "):
             inside = line.startswith(f"{section}:")
         elif inside and (entry := ENTRY.match(line)):

@@ -1,15 +1,13 @@
 """`visitlab doctor`: what this installation and machine can do, and what to do about what they can't."""
 
-import json
 import os
 import shutil
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Literal, NamedTuple
 
-import typer
-
 from visitlab_cli.commands.options import RUNS, Json, Out
+from visitlab_cli.terminal import tell, tell_json
 
 PACKAGES = ("numpy", "numba", "pydantic", "pyarrow", "mcap", "protobuf", "matplotlib", "rerun-sdk")
 MODULE_OF = {"rerun-sdk": "rerun", "protobuf": "google.protobuf"}
@@ -33,12 +31,12 @@ def command(out: Out = RUNS, as_json: Json = False) -> None:
 
     findings = [finding for look in LOOKS for finding in look(out)]
     if as_json:
-        typer.echo(json.dumps([finding._asdict() for finding in findings], indent=2))
+        tell_json([finding._asdict() for finding in findings])
     else:
         width = max(len(finding.name) for finding in findings)
         for finding in findings:
             mark = "" if finding.state == "ok" else f"{finding.state}: "
-            typer.echo(f"{finding.name:{width}}  {mark}{finding.value}")
+            tell(f"{finding.name:{width}}  {mark}{finding.value}")
     if problems := [finding.name for finding in findings if finding.state == "problem"]:
         raise RunError(f"in the way of a run: {', '.join(problems)}")
 
@@ -69,15 +67,15 @@ def _cores(out: Path) -> Iterator[Finding]:
 
 def _cache(out: Path) -> Iterator[Finding]:
     try:
-        from visitlab_cli.compiled import JIT_DISABLED, cache_folder
+        from visitlab_cli.compiled import JIT_DISABLED, cache_folder, cache_place
     except Exception:
         return  # numba's own line says it
     folder = cache_folder()
     if JIT_DISABLED:
         yield Finding("compiler", "switched off by NUMBA_DISABLE_JIT: a hundred times slower", "note")
     elif folder is None:
-        advice = "every command compiles anew, ten seconds; set VISITLAB_CACHE to a folder that can be written"
-        yield Finding("cache", f"none can be written: {advice}", "note")
+        advice = "every command compiles anew, ten seconds; set VISITLAB_CACHE to a folder of your own"
+        yield Finding("cache", f"none: {cache_place().why}: {advice}", "note")
     else:
         size = sum(file.stat().st_size for file in folder.rglob("*") if file.is_file())
         state = f"{size / 1e6:.0f} MB of compiled code" if size else "empty: the first run compiles for ten seconds"

@@ -1,13 +1,11 @@
 """What `--dry-run` of `run`, `train` and `eval` prints: the cells that are yet to do, and what they would cost."""
 
-import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import typer
-
 from visitlab_cli.commands.runs_words import size_in_words
+from visitlab_cli.terminal import tell, tell_json, tell_text
 
 if TYPE_CHECKING:
     from visitlab_cli.execution.cells import Cell
@@ -27,13 +25,13 @@ def tell_plan(run: Path, cells: Sequence["Cell"], *, workers: int, as_json: bool
     total = estimate(missing, workers)
     if as_json:
         told = {"run": str(run), "done": len(cells) - len(missing), "workers": workers, **_json(total)}
-        typer.echo(json.dumps({**told, "groups": {name: _json(cost) for name, cost in costs.items()}}, indent=2))
+        tell_json({**told, "groups": {name: _json(cost) for name, cost in costs.items()}})
         return
     if costs:
-        typer.echo(_table(costs) + "\n")
+        tell_text(_table(costs) + "\n")
     done = f", {len(cells) - len(missing)} done already" if len(missing) < len(cells) else ""
-    typer.echo(f"{total.cells} cells to do{done}; {total.steps:,} steps, {size_in_words(total.bytes)}")
-    typer.echo(f"about {duration(total.seconds)} on {workers} worker{'s' if workers > 1 else ''}; the run is {run}")
+    tell(f"{total.cells} cells to do{done}; {total.steps:,} steps, {size_in_words(total.bytes)}")
+    tell(f"about {duration(total.seconds)} on {workers} worker{'s' if workers > 1 else ''}; the run is {run}")
 
 
 def _json(cost: "Estimate") -> dict[str, float]:

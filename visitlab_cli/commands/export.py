@@ -1,6 +1,5 @@
 """`visitlab export`: recorded trials in the format of another program, or a run's tables."""
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -8,6 +7,7 @@ import typer
 
 from visitlab_cli.commands import completion
 from visitlab_cli.commands.options import RUNS, Agent, At, Experiment, Human, Json, Out, RunOrFile, Seed
+from visitlab_cli.terminal import tell, tell_json
 
 if TYPE_CHECKING:
     from visitlab_cli.recording.foxglove_scene import Look, ShownTrial
@@ -71,13 +71,13 @@ def command(
     first, *more = trial or ["0"]
     chosen = choose_trial(find_logs(run, out, selection), first)
     if chosen.note:
-        typer.echo(chosen.note, err=True)
+        tell(chosen.note, err=True)
     log = chosen.log
     numbers = list(dict.fromkeys([chosen.trial, *(choose_trial(Logs((log,)), word).trial for word in more)]))
     target = output or Path(_name(log.cell, numbers))
     rows = write_foxglove(target, (_shown(log.path, number) for number in numbers), _look())
     told = {"cell": log.cell, "trials": numbers, "rows": rows, "file": str(target)}
-    typer.echo(json.dumps(told) if as_json else f"{log.cell}, trial {', '.join(map(str, numbers))}: {target}")
+    tell_json(told, None) if as_json else tell(f"{log.cell}, trial {', '.join(map(str, numbers))}: {target}")
 
 
 def _name(cell: str, numbers: list[int]) -> str:

@@ -1,6 +1,5 @@
 """`visitlab figures`: the paper's figures from a run."""
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -8,6 +7,7 @@ import typer
 
 from visitlab_cli.commands import completion
 from visitlab_cli.commands.options import RUNS, Json, Out, Run
+from visitlab_cli.terminal import tell, tell_json
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -37,9 +37,9 @@ def command(
     made = make_figures(folder, strip, only or (), kind)
     for name, notes in made.notes.items():
         for note in notes:
-            typer.echo(f"{name}: {note}", err=True)
+            tell(f"{name}: {note}", err=True)
     files = [str(file) for file in made.files]
-    typer.echo(json.dumps({"run": str(folder), "files": files, "notes": made.notes}) if as_json else "\n".join(files))
+    tell_json({"run": str(folder), "files": files, "notes": made.notes}, None) if as_json else tell(*files)
 
 
 def strip(log: Path, number: int) -> "Figure":

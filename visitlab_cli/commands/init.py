@@ -1,6 +1,5 @@
 """`visitlab init`: a commented config to start from, with everything that it includes, and the schema for editors."""
 
-import json
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated
@@ -9,6 +8,7 @@ import typer
 
 from visitlab_cli.commands import completion
 from visitlab_cli.commands.options import Json
+from visitlab_cli.terminal import tell, tell_json
 
 
 def command(
@@ -39,10 +39,10 @@ def command(
     written = _write(folder, files, force)
     config = folder / f"{name}.yaml"
     if as_json:
-        typer.echo(json.dumps({"config": str(config), "files": [str(file) for file in written]}, indent=2))
+        tell_json({"config": str(config), "files": [str(file) for file in written]})
     else:
-        typer.echo("\n".join(map(str, written)))
-        typer.echo(f"next: visitlab run {config}", err=True)
+        tell(*map(str, written))
+        tell(f"next: visitlab run {config}", err=True)
 
 
 def _with_includes(path: Path) -> Iterator[Path]:
@@ -63,7 +63,7 @@ def _with_includes(path: Path) -> Iterator[Path]:
 
 def _write(folder: Path, files: dict[Path, str], force: bool) -> list[Path]:
     """Write the files below `folder`, none if one of them is there with another content."""
-    from visitlab_cli.errors import RunError
+    from visitlab_cli.errors import RunError, reason
 
     try:
         for name, text in files.items():
@@ -77,5 +77,5 @@ def _write(folder: Path, files: dict[Path, str], force: bool) -> list[Path]:
             (folder / name).parent.mkdir(parents=True, exist_ok=True)
             (folder / name).write_text(text, encoding="utf-8")
     except OSError as error:
-        raise RunError(f"{folder}: can't be written: {error.strerror or error}") from error
+        raise RunError(f"{folder}: can't be written: {reason(error)}") from error
     return [folder / name for name in files]

@@ -1,15 +1,13 @@
 """`visitlab eval --matrix`: play every trained human against every human; print the goals, draw them."""
 
-import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import typer
-
 from visitlab_cli.commands.optimum import aligned
 from visitlab_cli.commands.running import How, raise_first, run_missing
 from visitlab_cli.errors import UsageError, VisitlabError
+from visitlab_cli.terminal import tell, tell_json, tell_text
 
 if TYPE_CHECKING:
     from visitlab_cli.analysis.matrix import Matrix, Planned
@@ -64,17 +62,17 @@ def play_matrix(run: Path, planned: "Planned", picture: Path | None, how: How) -
         return
     matrix, target = matrix_of(run, planned), picture or run / PICTURE
     if how.as_json:
-        typer.echo(json.dumps({"run": str(run), **matrix.as_json(), "picture": str(target)}, indent=2))
+        tell_json({"run": str(run), **matrix.as_json(), "picture": str(target)})
     else:
-        typer.echo(text(matrix))
+        tell_text(text(matrix))
     try:
         save_matrix(matrix, target)
         if not how.as_json:
-            typer.echo(f"\n{target}")
+            tell("", str(target))
     except VisitlabError as error:
         if not failures:
             raise
-        typer.echo(str(error), err=True)
+        tell(*map(str, error.args), err=True)
     raise_first(failures)
 
 

@@ -1,12 +1,12 @@
 """`visitlab optimum`: what is possible at all in navigation and go_to_human, exactly."""
 
-import json
 import math
 from typing import Annotated
 
 import typer
 
 from visitlab_cli.commands.options import Json
+from visitlab_cli.terminal import plain, tell_json, tell_text
 
 
 def command(
@@ -21,17 +21,18 @@ def command(
         raise UsageError("--gamma nan: must be a number")
     values = exact_values(gamma)
     if as_json:
-        typer.echo(json.dumps({"gamma": gamma, "values": [each._asdict() for each in values]}, indent=2))
+        tell_json({"gamma": gamma, "values": [each._asdict() for each in values]})
         return
     rows = [["task", "success", "measure", "optimal", "random"]]
     rows += [
         [each.task, each.success or "-", each.measure, f"{each.optimal:.4f}", f"{each.random:.4f}"] for each in values
     ]
-    typer.echo(aligned(rows, words=3))
+    tell_text(aligned(rows, words=3))
 
 
 def aligned(rows: list[list[str]], words: int) -> str:
     """Rows as columns two spaces apart; the first `words` columns are words, to the left, the others numbers."""
+    rows = [list(map(plain, row)) for row in rows]
     widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
     return "\n".join(
         "  ".join(

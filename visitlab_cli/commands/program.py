@@ -1,13 +1,12 @@
 """The program as a group of commands: wrong usage is one line, and a reader that leaves early is no failure."""
 
-import os
-import sys
 from typing import Any, cast
 
 import typer
 import typer.core
 
 from visitlab_cli.errors import UsageError
+from visitlab_cli.terminal import lead_nowhere
 
 WRONG_USAGE = cast(type[Exception], typer.BadParameter.__base__)
 ASKS_FOR_HELP = "NoArgsIsHelpError"
@@ -39,7 +38,7 @@ class Program(typer.core.TyperGroup):
         except WRONG_USAGE as error:
             raise _as_line(self, error) from None
         except BrokenPipeError:
-            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # for what is flushed at the end
+            lead_nowhere()
             raise typer.Exit from None
 
 

@@ -1,12 +1,12 @@
 """`visitlab recover`: save what is whole of a log that was cut or damaged."""
 
-import json
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from visitlab_cli.commands.options import Json
+from visitlab_cli.terminal import tell, tell_json
 
 
 def command(
@@ -32,12 +32,12 @@ def command(
             "lost_bytes": saved.lost_bytes,
             "was_whole": saved.was_whole,
         }
-        typer.echo(json.dumps(told, indent=2))
+        tell_json(told)
         return
     parts = f" and parts of {saved.parts} more" if saved.parts else ""
-    typer.echo(f"{saved.path}: {saved.steps:,} steps, {saved.trials:,} whole trials{parts}")
+    tell(f"{saved.path}: {saved.steps:,} steps, {saved.trials:,} whole trials{parts}")
     if saved.was_whole:
-        typer.echo(f"{broken} was whole: this is a copy", err=True)
+        tell(f"{broken} was whole: this is a copy", err=True)
     else:
         left_out = f"{saved.lost_bytes:,} bytes in it are not whole and left out"
-        typer.echo(f"{broken} was cut or damaged: {left_out}; it was not changed", err=True)
+        tell(f"{broken} was cut or damaged: {left_out}; it was not changed", err=True)

@@ -1,12 +1,12 @@
 """`visitlab replay`: a recorded trial in the Rerun viewer, as a file, in a browser, as a picture, as a strip."""
 
-import json
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from visitlab_cli.commands.options import RUNS, Agent, At, Experiment, Human, Json, Out, RunOrFile, Seed, TrialWord
+from visitlab_cli.terminal import tell, tell_json
 
 
 def command(
@@ -45,7 +45,7 @@ def command(
 
         check_display()
     if picked.note:
-        typer.echo(picked.note, err=True)
+        tell(picked.note, err=True)
     if strip is not None:
         from visitlab_cli.replay.strip import save_strip
         from visitlab_cli.story import moments, strip_steps
@@ -54,7 +54,7 @@ def command(
         shown = set(strip_steps(chosen.steps))
         left_out = len({moment.step for moment in moments(chosen.steps)} - shown)
         if left_out:
-            typer.echo(f"the strip has {len(shown)} steps; {left_out} more with a moment are not on it", err=True)
+            tell(f"the strip has {len(shown)} steps; {left_out} more with a moment are not on it", err=True)
     elif png is not None and step is not None:
         from visitlab_cli.replay.picture import save_picture
 
@@ -68,9 +68,9 @@ def command(
         if save is not None:
             write_again(save, content)
         elif web:
-            serve(content, lambda address: typer.echo(f"{address}\nCtrl-C ends it."))
+            serve(content, lambda address: tell(address, "Ctrl-C ends it."))
         else:
             show(content)
     if target := save or png or strip:
         told = {"cell": picked.log.cell, "trial": chosen.number, "file": str(target)}
-        typer.echo(json.dumps(told) if as_json else f"{picked.log.cell}, trial {chosen.number}: {target}")
+        tell_json(told, None) if as_json else tell(f"{picked.log.cell}, trial {chosen.number}: {target}")

@@ -1,12 +1,12 @@
 """`visitlab report`: a run as one HTML page."""
 
-import json
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from visitlab_cli.commands.options import RUNS, Json, Out, Run
+from visitlab_cli.terminal import tell, tell_json
 
 
 def command(
@@ -22,4 +22,4 @@ def command(
     folder = find_run(run, out)
     file = make_report(folder, output)
     told = {"run": str(folder), "file": str(file), "bytes": file.stat().st_size}
-    typer.echo(json.dumps(told) if as_json else str(file))
+    tell_json(told, None) if as_json else tell(str(file))

@@ -1,15 +1,13 @@
 """What `run`, `train` and `eval` do: run what is missing of a plan, then print the table of results."""
 
-import json
 import os
 import shutil
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-import typer
-
 from visitlab_cli.errors import RunError, UsageError
+from visitlab_cli.terminal import plain, tell, tell_json, tell_text
 
 if TYPE_CHECKING:
     from visitlab_cli.analysis.results import Result
@@ -43,12 +41,12 @@ def run_config(out: Path, config: "Config", cells_of: "Callable[[Config], list[C
 
     check_expected(config, plan(config))
     if not how.quiet and (news := news_of(out, config)):
-        typer.echo(news, err=True)
+        tell(news, err=True)
     if how.dry_run:
         folder = out / run_name(config)
     else:
         if mended := mend_config(out, config):
-            typer.echo(mended, err=True)
+            tell(mended, err=True)
         folder, config = open_run(out, config, versions())
     run_and_tell(folder, config, cells_of(config), how)
 
@@ -67,10 +65,10 @@ def run_and_tell(run: Path, config: "Config", cells: "Sequence[Cell]", how: How)
 
     lines = results(run, config, cells)
     if how.as_json:
-        typer.echo(json.dumps({"run": str(run), "results": [line.as_json() for line in lines]}, indent=2))
+        tell_json({"run": str(run), "results": [line.as_json() for line in lines]})
     else:
-        typer.echo(table(lines))
-        typer.echo(f"\n{run}")
+        tell_text(table(lines))
+        tell("", str(run))
     raise_first(failures)
     missed = [line.group for line in lines if line.missed]
     if missed:
@@ -150,6 +148,7 @@ def table(lines: Sequence["Result"]) -> str:
             numbers = (line.expected, ""), (line.difference, "+"), (line.tolerance, "")
             row += [_number(value, sign) for value, sign in numbers] + (["MISSED"] if line.missed else [])
         rows.append(row)
+    rows = [list(map(plain, row)) for row in rows]
     widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
     return "\n".join(_aligned(row, widths) for row in rows)
 

@@ -1,12 +1,10 @@
 """The table of `compare` where conditions are compared two by two: `--by KEY`, or two runs."""
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import typer
-
 from visitlab_cli.commands.optimum import aligned
+from visitlab_cli.terminal import plain, tell_json, tell_text
 
 if TYPE_CHECKING:
     from visitlab_cli.analysis.pairs import Pair
@@ -69,7 +67,7 @@ def tell_runs(first: Path, second: Path, as_json: bool) -> None:
 def _tell(told: dict[str, Any], pairs: "list[Pair]", notes: list[str], as_json: bool) -> None:
     if as_json:
         whole = {**told, "confidence": 0.95, "notes": notes, "pairs": [pair.as_json() for pair in pairs]}
-        typer.echo(json.dumps(whole, indent=2, allow_nan=False))
+        tell_json(whole)
         return
     head = ["where", "measure", "first", "second", "seeds", "mean", "mean of second", "difference", "n", "improves"]
     lines = [
@@ -78,9 +76,9 @@ def _tell(told: dict[str, Any], pairs: "list[Pair]", notes: list[str], as_json: 
         "Last tenth of trials; the second less the first with half its 95% interval (Student's t; Welch's, unpaired).",
         "Improves: the probability that a seed of the second is better than one of the first; a tie is half.",
         "Paired: the same modules, or the same random numbers, in both; n pairs. Else n is the smaller number.",
-        *notes,
+        *map(plain, notes),
     ]
-    typer.echo("\n".join(lines))
+    tell_text("\n".join(lines))
 
 
 def _row(pair: "Pair") -> list[str]:

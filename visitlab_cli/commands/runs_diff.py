@@ -1,6 +1,5 @@
 """`visitlab runs diff`: what two runs have otherwise."""
 
-import json
 from typing import Annotated
 
 import typer
@@ -8,6 +7,7 @@ import typer
 from visitlab_cli.commands import completion
 from visitlab_cli.commands.optimum import aligned
 from visitlab_cli.commands.options import RUNS, Json, Out, Run
+from visitlab_cli.terminal import tell, tell_json, tell_text
 
 
 def command(
@@ -30,10 +30,10 @@ def command(
     }
     if as_json:
         told = {name: [each.as_json("first", "second") for each in part] for name, part in found.items()}
-        typer.echo(json.dumps({"first": str(first), "second": str(second), **told}, indent=2))
+        tell_json({"first": str(first), "second": str(second), **told})
         return
     rows = [[name, each.path, shown(each.first), shown(each.second)] for name, part in found.items() for each in part]
     if rows:
-        typer.echo(aligned([["", "what differs", first.name, second.name], *rows], words=4))
+        tell_text(aligned([["", "what differs", first.name, second.name], *rows], words=4))
     else:
-        typer.echo(f"{first} and {second}: the same config and versions")
+        tell(f"{first} and {second}: the same config and versions")

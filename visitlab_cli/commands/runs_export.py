@@ -1,10 +1,9 @@
 """What `export --csv` and `--parquet` do: a table of a run's finished cells as a file."""
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import typer
+from visitlab_cli.terminal import tell, tell_json
 
 if TYPE_CHECKING:
     from visitlab_cli.execution.selection import Selection
@@ -38,4 +37,4 @@ def tell_table(
         raise NotFoundError(f"{folder}: no finished cell {f'with {selection}' if str(selection) else 'at all'}")
     rows = export_table(folder, cells, content, file)
     told = {"run": str(folder), "table": content, "cells": len(cells), "rows": rows, "file": str(file)}
-    typer.echo(json.dumps(told) if as_json else f"{file}: {rows:,} rows, {content} of {len(cells)} cells")
+    tell_json(told, None) if as_json else tell(f"{file}: {rows:,} rows, {content} of {len(cells)} cells")

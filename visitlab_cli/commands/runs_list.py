@@ -1,14 +1,12 @@
 """`visitlab runs list`: the runs in a folder."""
 
-import json
 import time
 from typing import TYPE_CHECKING
-
-import typer
 
 from visitlab_cli.commands.optimum import aligned
 from visitlab_cli.commands.options import RUNS, Json, Out
 from visitlab_cli.commands.runs_words import age_in_words, number, size_in_words
+from visitlab_cli.terminal import tell, tell_json, tell_text
 
 if TYPE_CHECKING:
     from visitlab_cli.analysis.summary_runs import RunLine
@@ -20,15 +18,15 @@ def command(out: Out = RUNS, as_json: Json = False) -> None:
 
     lines = run_lines(out)
     if as_json:
-        typer.echo(json.dumps({"folder": str(out), "runs": [line.as_json() for line in lines]}, indent=2))
+        tell_json({"folder": str(out), "runs": [line.as_json() for line in lines]})
     elif lines:
         rows = [["name", "state", "cells", "seeds", "size", "age"], *map(_row, lines)]
-        typer.echo(aligned(rows, words=2))
+        tell_text(aligned(rows, words=2))
     else:
-        typer.echo(f"no runs in {out}", err=True)
+        tell(f"no runs in {out}", err=True)
     for line in lines:
         if line.problem is not None:
-            typer.echo(line.problem, err=True)
+            tell(line.problem, err=True)
 
 
 def _row(line: "RunLine") -> list[str]:

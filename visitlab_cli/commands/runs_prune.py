@@ -1,11 +1,11 @@
 """`visitlab runs prune`: remove of a run what is of no use."""
 
-import json
 from typing import Annotated
 
 import typer
 
 from visitlab_cli.commands.options import RUNS, Json, Out, Run
+from visitlab_cli.terminal import tell, tell_json
 
 
 def command(
@@ -21,11 +21,11 @@ def command(
     folder = find_run(run, out)
     pruned = prune(folder, dry_run)
     if as_json:
-        typer.echo(json.dumps({"run": str(folder), "dry_run": dry_run, **pruned._asdict()}, indent=2))
+        tell_json({"run": str(folder), "dry_run": dry_run, **pruned._asdict()})
         return
     for name in pruned.removed:
-        typer.echo(f"{'would remove' if dry_run else 'removed'} {name}")
+        tell(f"{'would remove' if dry_run else 'removed'} {name}")
     for name, reason in pruned.kept.items():
-        typer.echo(f"kept {name}: {reason}")
+        tell(f"kept {name}: {reason}")
     if not pruned.removed and not pruned.kept:
-        typer.echo(f"{folder}: nothing to remove")
+        tell(f"{folder}: nothing to remove")

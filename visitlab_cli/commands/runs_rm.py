@@ -1,6 +1,5 @@
 """`visitlab runs rm`: remove a whole run."""
 
-import json
 import sys
 from typing import Annotated
 
@@ -8,6 +7,7 @@ import typer
 
 from visitlab_cli.commands.options import RUNS, Json, Out, Run
 from visitlab_cli.commands.runs_words import size_in_words
+from visitlab_cli.terminal import tell, tell_json
 
 
 def command(
@@ -27,15 +27,15 @@ def command(
     size = bytes_below(folder)
     holds = f"{len(cell_folders(folder))} cells, {size_in_words(size)}"
     if not yes:
-        typer.echo(f"Remove {folder} ({holds})? [y/N]: ", nl=False, err=True)  # typer.confirm writes to stdout, too
+        tell(f"Remove {folder} ({holds})? [y/N]: ", end="", err=True)  # typer.confirm writes to stdout, too
         answer = sys.stdin.readline()
         if not answer:
-            typer.echo(err=True)
+            tell("", err=True)
             raise UsageError(f"{folder}: not removed; --yes removes without asking")
         yes = answer.strip().lower() in ("y", "yes")
     if yes:
         remove_run(folder)
     if as_json:
-        typer.echo(json.dumps({"run": str(folder), "removed": yes, "bytes": size}, indent=2))
+        tell_json({"run": str(folder), "removed": yes, "bytes": size})
     else:
-        typer.echo(f"removed {folder} ({holds})" if yes else f"kept {folder}")
+        tell(f"removed {folder} ({holds})" if yes else f"kept {folder}")

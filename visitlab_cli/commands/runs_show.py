@@ -1,6 +1,5 @@
 """`visitlab runs show`: what a run reached, a line for each experiment, agent and human."""
 
-import json
 import math
 import time
 from typing import TYPE_CHECKING, Annotated
@@ -10,6 +9,7 @@ import typer
 from visitlab_cli.commands.optimum import aligned
 from visitlab_cli.commands.options import RUNS, Json, Out, Run
 from visitlab_cli.commands.runs_words import age_in_words, number, run_again, size_in_words
+from visitlab_cli.terminal import plain, tell, tell_json, tell_text
 
 if TYPE_CHECKING:
     from visitlab_cli.analysis.summary import Summary
@@ -39,7 +39,7 @@ def command(
     folder = find_run(run, out)
     config = read_config(folder)
     if note := edited(folder, config_hash(config)):
-        typer.echo(note, err=True)
+        tell(note, err=True)
     cells = plan(config)
     if told := mixed(made_by(folder, (cell.path for cell in cells))):
         typer.echo(f"{folder}: {told}", err=True)
@@ -48,9 +48,9 @@ def command(
     lines = summaries(folder, [*cells, *played], level)
     if as_json:
         results = [each.as_json() for each in lines]
-        typer.echo(json.dumps({"run": str(folder), **line.as_json(), "level": level, "results": results}, indent=2))
+        tell_json({"run": str(folder), **line.as_json(), "level": level, "results": results})
     else:
-        typer.echo(_text(line, lines, level))
+        tell_text(_text(line, lines, level))
 
 
 def _text(line: "RunLine", lines: "list[Summary]", level: float) -> str:
@@ -65,7 +65,7 @@ def _text(line: "RunLine", lines: "list[Summary]", level: float) -> str:
     ]
     if line.done != line.cells:
         notes.append(f"Finish with {run_again(line.run)}")
-    return "\n".join([f"{head}, {size_in_words(line.size)}, {age} old", "", _table(lines, level), *notes])
+    return "\n".join([f"{plain(head)}, {size_in_words(line.size)}, {age} old", "", _table(lines, level), *notes])
 
 
 def _table(lines: "list[Summary]", level: float) -> str:

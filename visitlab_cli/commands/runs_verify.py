@@ -1,6 +1,5 @@
 """`visitlab runs verify`: is every file of a run as it was written?"""
 
-import json
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -9,6 +8,7 @@ import typer
 
 from visitlab_cli.commands.options import RUNS, Json, Out, Run
 from visitlab_cli.commands.runs_words import run_again
+from visitlab_cli.terminal import tell, tell_json
 
 if TYPE_CHECKING:
     from visitlab_cli.config.model import Config
@@ -64,16 +64,16 @@ def command(
             "not_set_aside": failed,
             "notes": noted,
         }
-        typer.echo(json.dumps(told, indent=2))
+        tell_json(told)
     else:
         for fault in checked.faults:
-            typer.echo(str(fault))
+            tell(str(fault))
         for note in noted:
-            typer.echo(f"note: {note}")
+            tell(f"note: {note}")
         missing = f"; {len(absent)} more are not run yet" if absent else ""
-        typer.echo(f"{folder}: {len(checked.whole)} of {len(checked.found)} cells are as they were written{missing}")
+        tell(f"{folder}: {len(checked.whole)} of {len(checked.found)} cells are as they were written{missing}")
     if checked.faults:
-        raise RunError("\n".join(_what_to_do(folder, config, checked.faults, failed, dry_run)))
+        raise RunError(*_what_to_do(folder, config, checked.faults, failed, dry_run))
 
 
 def _what_to_do(

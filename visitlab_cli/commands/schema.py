@@ -1,6 +1,6 @@
 """`visitlab schema`: the JSON Schema of a config, from which editors complete and check it."""
 
-import typer
+from visitlab_cli.terminal import tell_text
 
 
 def command() -> None:
@@ -11,4 +11,4 @@ def command() -> None:
     """
     from visitlab_cli.config.schema import schema_text
 
-    typer.echo(schema_text(), nl=False)
+    tell_text(schema_text().rstrip("\n"))

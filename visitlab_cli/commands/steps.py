@@ -1,11 +1,10 @@
 """`visitlab steps`: a recorded trial as a table, one step a line, in words."""
 
-import json
 from typing import TYPE_CHECKING, Any
 
-import typer
-
 from visitlab_cli.commands.options import RUNS, Agent, At, Experiment, Human, Json, Out, RunOrFile, Seed, TrialWord
+from visitlab_cli.terminal import plain as in_line
+from visitlab_cli.terminal import tell, tell_json, tell_text
 
 if TYPE_CHECKING:
     from visitlab_cli.story import Steps
@@ -30,14 +29,15 @@ def command(
     chosen = choose_trial(find_logs(run, out, Selection(experiment, human, agent, seed, tuple(at or ()))), trial)
     log, number = chosen.log, chosen.trial
     if chosen.note:
-        typer.echo(chosen.note, err=True)
+        tell(chosen.note, err=True)
     steps = read_trial(log.path, number)
     check_values(log.path, steps)
     if as_json:
         told = {"cell": log.cell, "trial": number, "steps": plain(steps)}
-        typer.echo(json.dumps(told, indent=2))
+        tell_json(told)
     else:
-        typer.echo(f"{log.cell}, trial {number}\n\n{table(steps)}")
+        tell(f"{log.cell}, trial {number}", "")
+        tell_text(table(steps))
 
 
 def plain(steps: "Steps") -> list[dict[str, Any]]:
@@ -67,7 +67,7 @@ def table(steps: "Steps") -> str:
             columns[head] = [in_words(int(value)) for value in steps[column]]
     columns["reward"] = [f"{value:g}" for value in steps["reward"]]
     columns["what happens"] = captions(steps)
-    rows = [list(columns), *(list(row) for row in zip(*columns.values(), strict=True))]
+    rows = [list(map(in_line, row)) for row in (columns, *zip(*columns.values(), strict=True))]
     widths = [max(len(row[column]) for row in rows) for column in range(len(columns))]
     return "\n".join(
         "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows

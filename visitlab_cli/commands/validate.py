@@ -1,11 +1,11 @@
 """`visitlab validate`: check a config and say what it would do."""
 
-import json
 from typing import Annotated, Any
 
 import typer
 
 from visitlab_cli.commands.options import Config, Json, Overrides
+from visitlab_cli.terminal import tell, tell_json, tell_text
 
 
 def command(
@@ -27,14 +27,14 @@ def command(
         cells = plan(loaded)
     except ConfigError as error:
         if as_json:
-            typer.echo(json.dumps({"valid": False, "errors": error.problems}, indent=2))
+            tell_json({"valid": False, "errors": error.problems})
         raise
     steps = sum(cell.steps for cell in cells)
     run = f"{loaded.name}-{config_hash(loaded)}"
     if as_json:
         told: dict[str, Any] = {"valid": True, "run": run, "cells": len(cells), "steps": steps}
-        typer.echo(json.dumps({**told, "config": canonical(loaded)} if show else told, indent=2))
+        tell_json({**told, "config": canonical(loaded)} if show else told)
     elif show:
-        typer.echo(dump_yaml(loaded), nl=False)
+        tell_text(dump_yaml(loaded).rstrip("\n"))
     else:
-        typer.echo(f"valid: {len(cells)} cell{'s' if len(cells) != 1 else ''}, {steps:,} steps; the run would be {run}")
+        tell(f"valid: {len(cells)} cell{'s' if len(cells) != 1 else ''}, {steps:,} steps; the run would be {run}")

@@ -10,6 +10,7 @@ from rich.console import Console
 from rich.text import Text
 
 from visitlab_cli.execution.cells import Cell
+from visitlab_cli.terminal import plain
 
 SECONDS_BETWEEN_LINES = 30.0
 """How often a line says how far everything is where there is no terminal to draw bars on."""
@@ -20,12 +21,6 @@ class _Speed(rich.progress.ProgressColumn):
         """Steps a second."""
         speed = task.finished_speed or task.speed
         return Text(f"{speed:,.0f} steps/s" if speed else "", style="progress.data.speed")
-
-
-class _Console(Console):
-    def on_broken_pipe(self) -> None:
-        """Go on without a listener: losing who reads the progress must not stop a simulation."""
-        self.quiet = True
 
 
 class Progress:
@@ -40,7 +35,7 @@ class Progress:
     ) -> None:
         """With `quiet` only failures are told; `verbose` tells when each cell begins, and its speed."""
         self.quiet, self.verbose, self._clock = quiet, verbose, clock
-        self.console = console or _Console(stderr=True, highlight=False, soft_wrap=True)
+        self.console = console or Console(stderr=True, highlight=False, emoji=False, soft_wrap=True)
         on_terminal = self.console.file.isatty() and self.console.is_terminal  # not by FORCE_COLOR alone
         self._bars = rich.progress.Progress(
             rich.progress.TextColumn("{task.description}", markup=False),
@@ -64,7 +59,7 @@ class Progress:
     def say(self, line: str, style: str | None = None) -> None:
         """Tell the user something, unless only failures are to be told."""
         if not self.quiet:
-            self.console.print(line, style=style, markup=False)
+            self.console.print(plain(line), style=style, markup=False)
 
     def warn(self, line: str) -> None:
         """Tell the user something that is to be told in any case."""
@@ -123,4 +118,4 @@ class Progress:
     def failed(self, cell: Cell, line: str) -> None:
         """`cell` failed; this is told in any case."""
         self._end(cell)
-        self.console.print(f"{cell.path}: failed: {line}", style="red", markup=False)
+        self.console.print(plain(f"{cell.path}: failed: {line}"), style="red", markup=False)

@@ -1,6 +1,8 @@
-"""HTML from values: whatever is plain text is escaped, so that no name from a config can become markup."""
+"""HTML from values: all text is escaped, so that no name from a file becomes markup, or turns the page round."""
 
-from html import escape
+import html
+
+from visitlab_cli.terminal import plain_text
 
 
 class Html(str):
@@ -24,6 +26,11 @@ def element(name: str, *children: Child, **attributes: str | int | bool | None) 
     """
     written = "".join(_attribute(key, value) for key, value in attributes.items())
     return Html(f"<{name}{written}>{together(*children)}</{name}>")
+
+
+def escape(text: str) -> str:
+    """Text as it stands in a page: no markup, nothing unseen, nothing that HTML does not allow."""
+    return html.escape(plain_text(text))
 
 
 def together(*children: Child) -> Html:

@@ -2,10 +2,9 @@
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from html import escape
 
 from visitlab_cli.analysis.summary_groups import Group
-from visitlab_cli.report.markup import Html
+from visitlab_cli.report.markup import Html, escape
 
 BREAKS = re.compile(r"(?<=[^\W_]{3}[_./=-])(?=[^\W\d])")
 """In a long name behind a word, before a letter; never inside of a number."""
