@@ -1,12 +1,11 @@
 """How figures look: colours that colour-blind people tell apart and a printer keeps apart, sizes, files."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from visitlab_cli.errors import RunError
+from visitlab_cli.errors import RunError, reason
+from visitlab_cli.same_pictures import same_pictures
 from visitlab_cli.whole_file import write_whole
 
 if TYPE_CHECKING:
@@ -22,9 +21,8 @@ PIXELS_PER_INCH = 300
 FORMATS: dict[str, dict[str, Any]] = {"svg": {"Date": None}, "png": {}, "pdf": {"CreationDate": None}}
 """With what each format needs to give the same bytes for the same picture."""
 
-SAME_BYTES: Any = {"font.family": "DejaVu Sans", "svg.hashsalt": "visitlab", "pdf.fonttype": 42}
-STRIP_STYLE: Any = SAME_BYTES | {"font.size": 6.5}
-STYLE: Any = SAME_BYTES | {
+STRIP_STYLE: Any = {"font.size": 6.5}
+STYLE: Any = {
     "font.size": FONT_SIZE,
     "axes.titlesize": 8,
     "axes.titleweight": "bold",
@@ -48,15 +46,8 @@ STYLE: Any = SAME_BYTES | {
 }
 
 
-@contextmanager
-def styled(style: Any) -> Iterator[None]:
-    """Draw and save in here: with `style` and nothing of the user's own matplotlib settings."""
-    import matplotlib
-
-    with matplotlib.rc_context():
-        matplotlib.rcdefaults()
-        matplotlib.rcParams.update(style)
-        yield
+styled = same_pictures
+"""Draw and save in here: with a style and nothing of the user's own matplotlib settings."""
 
 
 def save(figure: "Figure", target: Path) -> None:
@@ -80,5 +71,5 @@ def write(target: Path, content: bytes) -> None:
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise RunError(f"{target}: can't be written: {error.strerror or error}") from error
+        raise RunError(f"{target}: can't be written: {reason(error)}") from error
     write_whole(target, content)

@@ -16,6 +16,8 @@ from visitlab_cli.whole_file import write_again
 WIDTH, HEIGHT = 1600, 1000
 DRIVER_VARIABLE = "VK_DRIVER_FILES"
 DRIVER_FOLDERS = (Path("/usr/share/vulkan/icd.d"), Path("/etc/vulkan/icd.d"), Path("/usr/local/share/vulkan/icd.d"))
+DRAWING = ("GALLIUM_", "LP_", "MESA_", "VK_", "WGPU_")
+"""How the names of variables begin that could change the picture."""
 SETTLES = 1.0
 """Seconds that the viewer is given to lay out and to draw a step."""
 NO_DRIVER = "a picture needs a Vulkan driver; on Debian install mesa-vulkan-drivers"
@@ -40,13 +42,13 @@ def save_picture(trial: Trial, step: int, target: Path) -> None:
     driver = software_driver()
     if driver is None and DRIVER_VARIABLE not in os.environ:
         raise RunError(NO_DRIVER)
-    environment = {} if DRIVER_VARIABLE in os.environ else {DRIVER_VARIABLE: str(driver)}
+    variables = {"RUST_LOG": "error", DRIVER_VARIABLE: os.environ.get(DRIVER_VARIABLE) or str(driver)}
     port = free_port()
     options = "--headless", "--hide-welcome-screen", "--window-size", f"{WIDTH}x{HEIGHT}", "--port", str(port)
     with (
         recording_file(record(trial)) as recording,
         tempfile.TemporaryDirectory(prefix="visitlab-") as folder,
-        started(*options, environment={"XDG_RUNTIME_DIR": folder, "RUST_LOG": "error", **environment}) as viewer,
+        started(*options, environment={"XDG_RUNTIME_DIR": folder, **variables}, without=DRAWING) as viewer,
     ):
         wait_until(lambda: answers(port) or viewer.poll() is not None, "the viewer did not start")
         picture = Path(folder) / "picture.png"

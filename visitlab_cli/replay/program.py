@@ -42,12 +42,21 @@ def free_port() -> int:
 
 
 @contextlib.contextmanager
-def started(*arguments: str, environment: dict[str, str] | None = None) -> Iterator[subprocess.Popen[bytes]]:
-    """Rerun's program, silent, reachable from this machine only; it ends with the block."""
+def started(
+    *arguments: str, environment: dict[str, str] | None = None, without: tuple[str, ...] = ()
+) -> Iterator[subprocess.Popen[bytes]]:
+    """Rerun's program, silent, reachable from this machine only; it ends with the block.
+
+    Args:
+        arguments: its options.
+        environment: variables for it.
+        without: how the names of variables begin that it does not get.
+    """
     command = [str(program()), *arguments, "--bind", LOOPBACK]
     for number in ending_signals():
         signal.signal(number, _stop)
-    surroundings = {**os.environ, "RERUN_APP_ONLY": "true", **(environment or {})}
+    ours = {name: value for name, value in os.environ.items() if not name.startswith(without)}
+    surroundings = {**ours, "RERUN_APP_ONLY": "true", **(environment or {})}
     with subprocess.Popen(
         command, env=surroundings, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
     ) as process:

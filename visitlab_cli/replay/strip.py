@@ -10,6 +10,7 @@ from visitlab_cli.replay import panel
 from visitlab_cli.replay.blueprint import view_of
 from visitlab_cli.replay.lab import GOAL_FLOOR, REACHED_FLOOR
 from visitlab_cli.replay.trial import Trial
+from visitlab_cli.same_pictures import same_pictures
 from visitlab_cli.story import (
     DESIRED,
     FACING_FIELD,
@@ -49,16 +50,14 @@ def save_strip(trial: Trial, target: Path) -> None:
     ending = target.suffix.lower()
     if ending not in FORMATS:
         raise UsageError(f"--strip {target}: must end in {', '.join(FORMATS)}")
+    content = BytesIO()
     try:
-        import matplotlib
+        with same_pictures({"font.size": FONT_SIZE}):
+            draw_strip(trial, strip_steps(trial.steps)).savefig(
+                content, format=ending[1:], dpi=PIXELS_PER_INCH, metadata=FORMATS[ending]
+            )
     except ModuleNotFoundError as error:
         raise RunError("a strip needs matplotlib; install it with pip install matplotlib") from error
-    content = BytesIO()
-    style: Any = {"svg.hashsalt": "visitlab", "pdf.fonttype": 42, "font.size": FONT_SIZE, "font.family": "sans-serif"}
-    with matplotlib.rc_context(style):
-        draw_strip(trial, strip_steps(trial.steps)).savefig(
-            content, format=ending[1:], dpi=PIXELS_PER_INCH, metadata=FORMATS[ending]
-        )
     write_again(target, content.getvalue())
 
 
