@@ -16,7 +16,7 @@ from visitlab_cli.config.like import resolve_like
 from visitlab_cli.config.messages import issues_of
 from visitlab_cli.config.model import Config
 from visitlab_cli.config.names import module
-from visitlab_cli.config.problems import Issue, Problem, failure, positioned
+from visitlab_cli.config.problems import Issue, Problem, failure, positioned, start_comparing
 from visitlab_cli.config.references import Declared
 from visitlab_cli.config.references import issues as reference_issues
 
@@ -45,6 +45,7 @@ def build(document: Node, problems: list[Problem]) -> Config:
     Raises:
         ConfigError: with a line for each problem, those already known included.
     """
+    start_comparing()
     whole, issues, broken = resolve_like(document)
     config, found = check(whole.plain())
     everything = [*problems, *(positioned(document, issue) for issue in issues)]

@@ -36,6 +36,11 @@ class Node:
             return [child.plain() for child in self.value]
         return self.value
 
+    def size(self) -> int:
+        """How many values it is, with itself."""
+        inner = self.value.values() if isinstance(self.value, dict) else self.value
+        return 1 + sum(child.size() for child in inner) if isinstance(self.value, dict | list) else 1
+
     def child(self, part: str | int) -> "Node | None":
         """The entry under a key or at an index."""
         if isinstance(self.value, dict):

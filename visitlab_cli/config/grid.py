@@ -16,17 +16,23 @@ from visitlab_cli.config.problems import Issue, dotted, failure, nearest_name, o
 from visitlab_cli.errors import ConfigError
 from visitlab_cli.settings import at_default
 
-MOST_POINTS = 100_000
-MOST_CELLS = 1_000_000
+MOST_POINTS = 10_000
+MOST_CELLS = 100_000
+MOST_VALUES = 3_000_000
+"""Of all points' configs together: what takes seconds to check, not hours."""
 LONGEST_LABEL = 40
+LONGEST_PATH = 1000
+MOST_PATHS = 64
+LONGEST_COUNT = 10**15
 SECTIONS = ("humans", "agents", "experiments", "interaction")
 """What may vary."""
 
 
 class Variant(NamedTuple):
-    """One point of the grid: its values by dotted path, and the config there, which varies no more."""
+    """One point of the grid: its values by path, their names in folders, and the config, which varies no more."""
 
     values: dict[str, Any]
+    labels: dict[str, str]
     config: Config
 
 
@@ -37,22 +43,24 @@ def variants(config: Config) -> Iterator[Variant]:
         ConfigError: at a point whose values are not valid together.
     """
     if not config.vary:
-        yield Variant({}, config)
+        yield Variant({}, {}, config)
         return
-    for values in itertools.product(*config.vary.values()):
-        point = dict(zip(config.vary, values, strict=True))
-        found, issues = check(_at(config, point))
+    named = [list(zip(values, labels(path, values), strict=True)) for path, values in config.vary.items()]
+    frame = _Frame(config)
+    for point in itertools.product(*named):
+        values = {path: value for path, (value, _) in zip(config.vary, point, strict=True)}
+        found, issues = check(frame.at(values))
         if found is None:
-            where = ", ".join(f"{path}={value}" for path, value in point.items())
+            where = ", ".join(f"{path}={value}" for path, value in values.items())
             raise ConfigError(f"vary: at {where}: {dotted(issues[0].path)}: {issues[0].message}")
-        yield Variant(point, found)
+        yield Variant(values, {path: name for path, (_, name) in zip(config.vary, point, strict=True)}, found)
 
 
-def label(path: str, value: Any, values: Sequence[Any]) -> str:
-    """A folder's name for a `value` among a path's: `path=value`, or `path=index` where that is unsafe."""
+def labels(path: str, values: Sequence[Any]) -> list[str]:
+    """Folders' names for a path's `values`: each `path=value`, or `path=index` where one of them is unsafe."""
     texts = [_text(each) for each in values]
     plain = all(texts) and len({str(text).lower() for text in texts}) == len(texts)
-    return f"{path}={_text(value) if plain else list(values).index(value)}"
+    return [f"{path}={text if plain else index}" for index, text in enumerate(texts)]
 
 
 def value_in_words(value: Any) -> str:
@@ -66,23 +74,39 @@ def _text(value: Any) -> str | None:
     return text if re.fullmatch(rf"[A-Za-z0-9._=-]{{1,{LONGEST_LABEL}}}", text) else None
 
 
-def _at(config: Config, point: dict[str, Any]) -> dict[str, Any]:
-    """The plain config at a point; it has no expected values, which are the unvaried config's."""
-    plain = canonical(config)
-    plain["vary"], plain["expected"] = {}, {}
-    for experiment in plain["experiments"].values():
-        for option in Visit.planning_options:  # a point may have a social module that does not plan
-            if experiment.get(option) == getattr(Visit.model_fields.get(option), "default", None):
-                experiment.pop(option, None)
-    whole = canonical(config)
-    for path, value in point.items():
-        *parts, last = split_path(whole, path)
-        target = plain
-        _forget_defaults(config, parts, last, plain)
-        for part in parts:
-            target = target[part]
-        target[last] = value
-    return plain
+class _Frame:
+    """A config that varies as plain values, into which those of one point after the other are put."""
+
+    def __init__(self, config: Config) -> None:
+        self.config, self.whole = config, canonical(config)
+        self.bare = canonical(config)
+        self.bare["vary"], self.bare["expected"] = {}, {}  # the expected values are the unvaried config's
+        for experiment in self.bare["experiments"].values():
+            for option in Visit.planning_options:  # a point may have a social module that does not plan
+                if experiment.get(option) == getattr(Visit.model_fields.get(option), "default", None):
+                    experiment.pop(option, None)
+
+    def at(self, point: dict[str, Any]) -> dict[str, Any]:
+        """The plain config at a point; what a path leads through is a copy."""
+        plain = self.bare.copy()
+        for path, value in point.items():
+            *parts, last = split_path(self.whole, path)
+            target = plain
+            for part in parts:
+                target[part] = target[part].copy()
+                target = target[part]
+            _forget_defaults(self.config, parts, last, plain)
+            target[last] = value
+        return plain
+
+    def size(self) -> int:
+        """How many values a point has."""
+        return _size(self.bare)
+
+
+def _size(plain: Any) -> int:
+    inner = plain.values() if isinstance(plain, dict) else plain if isinstance(plain, list) else ()
+    return 1 + sum(map(_size, inner))
 
 
 def _forget_defaults(config: Config, parts: Sequence[str], last: str, plain: dict[str, Any]) -> None:
@@ -101,14 +125,19 @@ def with_checked_grid(config: Config, document: Node) -> Config:
         ConfigError: for a path that is not there, a value that is not valid there, a grid too large.
     """
     points = math.prod(len(values) for values in config.vary.values())
-    if points > MOST_POINTS:
-        message = f"a grid of {points} points; at most {MOST_POINTS}"
-        raise failure([positioned(document, Issue(("vary",), message, at="key"))])
     cells = points * sum(_cells(experiment, config.seeds) for experiment in config.experiments.values())
-    if cells > MOST_CELLS:
-        message = f"makes up to {cells} cells; at most {MOST_CELLS}"
-        raise failure([positioned(document, Issue(("vary" if points > 1 else "seeds",), message, at="key"))])
-    checked = {path: _checked_path(config, path) for path in config.vary}
+    frame = _Frame(config)
+    for count, message, most in (
+        (len(config.vary), "{} paths; at most {}", MOST_PATHS),
+        (points, "a grid of {} points; at most {}", MOST_POINTS),
+        (cells, "makes up to {} cells; at most {}", MOST_CELLS),
+        (points * frame.size() if config.vary else 0, "all points together have {} values; at most {}", MOST_VALUES),
+    ):
+        if count > most:
+            shown = count if count < LONGEST_COUNT else f"more than {LONGEST_COUNT}"
+            at = "vary" if config.vary else "seeds"
+            raise failure([positioned(document, Issue((at,), message.format(shown, most), at="key"))])
+    checked = {path: _checked_path(frame, path) for path in config.vary}
     issues = [issue for _, found in checked.values() for issue in found]
     if issues:
         raise failure(positioned(document, issue) for issue in issues)
@@ -120,23 +149,27 @@ def _cells(experiment: Any, seeds: int) -> int:
     return len(getattr(experiment, "agents", "1")) * len(getattr(experiment, "humans", "1")) * models * seeds
 
 
-def _checked_path(config: Config, path: str) -> tuple[tuple[Any, ...], list[Issue]]:
-    plain = canonical(config)
-    parts = split_path(plain, path)
-    wrong = _wrong_path(plain, parts) or _overlap(path, config.vary)
+def _checked_path(frame: _Frame, path: str) -> tuple[tuple[Any, ...], list[Issue]]:
+    if len(path) > LONGEST_PATH:
+        return (), [Issue(("vary", path), f"a path of more than {LONGEST_PATH} characters", at="key")]
+    parts = split_path(frame.whole, path)
+    wrong = _wrong_path(frame.whole, parts) or _overlap(path, frame.config.vary)
     if wrong:
         return (), [Issue(("vary", path), wrong, at="key")]
     values: list[Any] = []
+    seen: set[str] = set()
     issues: list[Issue] = []
-    for index, value in enumerate(config.vary[path]):
-        found, problems = check(_at(config, {path: value}))
+    for index, value in enumerate(frame.config.vary[path]):
+        found, problems = check(frame.at({path: value}))
         for problem in problems:
             where = "" if problem.path == tuple(parts) else f"{dotted(problem.path)}: "
             issues.append(Issue(("vary", path, index), where + problem.message))
         if found is not None:
             values.append(_value(canonical(found), parts))
-            if values[-1] in values[:-1]:
+            text = json.dumps(values[-1], sort_keys=True)
+            if text in seen:
                 issues.append(Issue(("vary", path, index), "the same value a second time"))
+            seen.add(text)
     return tuple(values), issues
 
 

@@ -5,50 +5,72 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from visitlab_cli.config.document import Node
-from visitlab_cli.config.files import read_file
-from visitlab_cli.config.problems import Problem, printable
+from visitlab_cli.config.files import MOST_BYTES, UnreadableError, read_bytes, read_content
+from visitlab_cli.config.problems import Problem, failure, printable
+from visitlab_cli.config.yaml_reader import MOST_VALUES
 from visitlab_cli.errors import NotFoundError
 
 INCLUDE = "include"
 OWN_KEYS = ("name", "seed", "seeds", "record")
 """What a file does not take over from those that it includes."""
+MOST_FILES = 32
+
+Identity = tuple[int, int]
+"""A file's device and number, which are the same by whatever name it is found."""
 
 
 def read_with_includes(path: Path) -> tuple[Node, list[Problem]]:
     """A file with everything that it includes, and what was wrong on the way.
 
     Raises:
-        NotFoundError, ConfigError: as `read_file`.
+        NotFoundError, ConfigError: as `read_bytes` and `read_content`.
     """
-    return _read(path, [_identity(path)])
+    reading = _Reading()
+    return reading.whole(path, ()), reading.problems
 
 
-def _read(path: Path, chain: Sequence[str]) -> tuple[Node, list[Problem]]:
-    document, problems = read_file(path)
-    entries = dict(document.value)
-    included = entries.pop(INCLUDE, None)
-    document = document.with_entries(entries)
-    for entry in _names(included, problems):
-        target = path.parent / str(entry.value)
-        if _identity(target) in chain:
-            message = f"{printable(entry.value)} includes this file in turn"
-            problems.append(Problem(entry.place, (INCLUDE,), message))
-            continue
-        try:
-            other, others_problems = _read(target, [*chain, _identity(target)])
-        except NotFoundError as error:
-            problems.append(Problem(entry.place, (INCLUDE,), str(error)))
-            continue
-        problems += others_problems
-        document = _merged(document, other, problems)
-    return document, problems
+class _Reading:
+    """All the files of one config; each is read once, however often it is included."""
 
+    def __init__(self) -> None:
+        self.problems: list[Problem] = []
+        self.files: dict[Identity, Node] = {}
+        self.begun = self.bytes = self.values = 0
 
-def _identity(path: Path) -> str:
-    try:
-        return os.path.realpath(path)
-    except ValueError:  # a NUL in the name
-        return str(path)
+    def whole(self, path: Path, chain: Sequence[Identity]) -> Node:
+        """A file with what it includes; `chain` are those that include it, one the other.
+
+        Raises:
+            NotFoundError: it can't be read, or not at this place.
+            ConfigError: nothing of it can be used.
+        """
+        content, identity = read_bytes(path, itself=not chain, most=MOST_BYTES - self.bytes)
+        if identity in chain:
+            raise NotFoundError(f"{printable(str(path))} includes this file in turn")
+        if identity in self.files:
+            return self.files[identity]
+        if self.begun == MOST_FILES:
+            raise NotFoundError(f"{printable(str(path))} is one file too many; a config has at most {MOST_FILES}")
+        self.begun += 1
+        self.bytes += len(content)
+        document, problems = read_content(content, path)
+        self.problems += problems
+        self.values += document.size()
+        if self.values > MOST_VALUES:
+            raise failure([Problem(document.place, (), f"with what includes it more than {MOST_VALUES} values")])
+        entries = dict(document.value)
+        included = entries.pop(INCLUDE, None)
+        document = document.with_entries(entries)
+        for entry in _names(included, self.problems):
+            target = path.parent / os.path.expanduser(entry.value)
+            try:
+                other = self.whole(target, (*chain, identity))
+            except (NotFoundError, UnreadableError) as error:
+                self.problems.append(Problem(entry.place, (INCLUDE,), str(error)))
+                continue
+            document = _merged(document, other, self.problems)
+        self.files[identity] = document
+        return document
 
 
 def _names(included: Node | None, problems: list[Problem]) -> list[Node]:
@@ -56,6 +78,9 @@ def _names(included: Node | None, problems: list[Problem]) -> list[Node]:
         return []
     if not isinstance(included.value, list):
         problems.append(Problem(included.place, (INCLUDE,), "must be a list of files"))
+        return []
+    if len(included.value) > MOST_FILES:
+        problems.append(Problem(included.place, (INCLUDE,), f"at most {MOST_FILES} files (got {len(included.value)})"))
         return []
     for index, entry in enumerate(included.value):
         if not isinstance(entry.value, str):
@@ -75,7 +100,7 @@ def _merged(document: Node, other: Node, problems: list[Problem]) -> Node:
         elif isinstance(ours.value, dict) and isinstance(theirs.value, dict):
             _report_differences(section, ours, theirs, problems)
             entries[section] = ours.with_entries({**theirs.value, **ours.value})
-        elif ours.plain() != theirs.plain():
+        elif ours is not theirs and ours.plain() != theirs.plain():
             problems.append(Problem(ours.key or ours.place, (section,), f"differs from that at {theirs.key}"))
     return document.with_entries(entries)
 
@@ -83,6 +108,6 @@ def _merged(document: Node, other: Node, problems: list[Problem]) -> Node:
 def _report_differences(section: str, ours: Node, theirs: Node, problems: list[Problem]) -> None:
     for name in ours.value.keys() & theirs.value.keys():
         mine, other = ours.value[name], theirs.value[name]
-        if mine.plain() != other.plain():
+        if mine is not other and mine.plain() != other.plain():
             message = f"differs from that at {other.key}; give it a name of its own"
             problems.append(Problem(mine.key or mine.place, (section, name), message))

@@ -6,6 +6,7 @@ from visitlab_cli.config.problems import Issue, Path, dotted, or_else
 LIKE = "like"
 SECTIONS = {"humans": "human", "agents": "agent"}
 LONGEST_CHAIN = 32
+MOST_TAKEN_OVER = 20_000
 
 
 def resolve_like(document: Node) -> tuple[Node, list[Issue], set[Path]]:
@@ -24,6 +25,7 @@ def resolve_like(document: Node) -> tuple[Node, list[Issue], set[Path]]:
 class _Chains:
     def __init__(self, section: str, entries: dict[str, Node], issues: list[Issue], broken: set[Path]) -> None:
         self.section, self.entries, self.issues, self.broken = section, entries, issues, broken
+        self.taken_over = 0
 
     def whole(self, name: str, followers: tuple[str, ...]) -> Node:
         """The entry with all that it takes over; `followers` start from it, one from the other."""
@@ -33,6 +35,10 @@ class _Chains:
         chain = (*followers, name)
         base = self.base(chain, entry.value[LIKE].value)
         own = {key: value for key, value in entry.value.items() if key != LIKE}
+        self.taken_over += sum(value.size() for value in base.values())
+        if self.taken_over > MOST_TAKEN_OVER:
+            self.wrong(chain, LIKE, f"all entries together take over more than {MOST_TAKEN_OVER} values")
+            return entry.with_entries(own)
         if "kind" in own and "kind" in base and own["kind"].plain() != base["kind"].plain():
             self.wrong(chain, "kind", f"must be that of {entry.value[LIKE].value}, which it is like")
         return entry.with_entries({**base, **own})

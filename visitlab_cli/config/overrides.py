@@ -9,6 +9,8 @@ from visitlab_cli.config.yaml_reader import read_yaml
 from visitlab_cli.errors import UsageError
 
 EXPECTED = "expected"
+MOST_OVERRIDES = 200
+LONGEST_KEY = 200
 HARMLESS = ("seed", "seeds")
 """What may be overridden without making the expected values meaningless."""
 NAMED = {"humans": "human", "agents": "agent", "experiments": "experiment"}
@@ -25,13 +27,15 @@ def apply_overrides(document: Node, overrides: Sequence[str]) -> tuple[Node, lis
         ConfigError: for a value that is not YAML.
     """
     problems: list[Problem] = []
+    if len(overrides) > MOST_OVERRIDES:
+        raise UsageError(f"{len(overrides)} overrides; at most {MOST_OVERRIDES}, write a config instead")
     keys = [override.partition("=")[0] for override in overrides]
     if any(key not in HARMLESS and key.split(".")[0] != EXPECTED for key in keys):
         document = document.with_entries({key: node for key, node in document.value.items() if key != EXPECTED})
     for override in overrides:
         key, equals, text = override.partition("=")
-        if not equals or not all(key.split(".")):
-            raise UsageError(f"override {override!r}: must be key=value, such as seeds=10")
+        if not equals or not all(key.split(".")) or len(key) > LONGEST_KEY:
+            raise UsageError(f"override {shown(override)}: must be key=value, such as seeds=10")
         source = f"override {shown(override)}"
         value, found = read_yaml(text, source, lines=False)
         problems += found

@@ -1,16 +1,19 @@
 """Problems of a config as lines `file:line:column: path: message`, all at once and sorted."""
 
 import difflib
+import itertools
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
 from visitlab_cli.config.document import Node, Place
 from visitlab_cli.errors import ConfigError
+from visitlab_cli.terminal import plain
 
 MOST_LINES = 50
 LONGEST_SHOWN = 60
 MOST_NAMES = 20
+MOST_COMPARED = 5_000
 
 Path = tuple[str | int, ...]
 
@@ -57,7 +60,7 @@ def failure(problems: Iterable[Problem]) -> ConfigError:
         setting = problem.path[:1] + problem.path[2:]  # by `like`, several entries may share it
         told.setdefault((problem.place, problem.message, setting), problem)
     found = sorted(told.values(), key=_order)
-    lines = [str(problem) for problem in found[:MOST_LINES]]
+    lines = [plain(str(problem)) for problem in found[:MOST_LINES]]
     more = len(found) - MOST_LINES
     lines += [f"... and {more} more"] if more > 0 else []
     return ConfigError("\n".join(lines), [problem.as_json() for problem in found])
@@ -69,7 +72,11 @@ def _order(problem: Problem) -> tuple[bool, Place]:
 
 def dotted(path: Path) -> str:
     """A path as the user writes it; what could break the line is escaped."""
-    return ".".join(printable(str(part)) for part in path)
+    return ".".join(printable(_cut(str(part))) for part in path)
+
+
+def _cut(text: str) -> str:
+    return text if len(text) <= LONGEST_SHOWN else f"{text[:LONGEST_SHOWN]}..."
 
 
 def printable(text: str) -> str:
@@ -81,8 +88,7 @@ def shown(value: Any) -> str:
     """A value in a message, on one line and not too long."""
     if isinstance(value, dict | list | tuple):
         return "a mapping" if isinstance(value, dict) else "a list"
-    text = {None: "nothing", True: "true", False: "false"}[value] if _is_word(value) else repr(value)
-    return text if len(text) <= LONGEST_SHOWN else text[:LONGEST_SHOWN] + "..."
+    return _cut({None: "nothing", True: "true", False: "false"}[value] if _is_word(value) else repr(value))
 
 
 def _is_word(value: Any) -> bool:
@@ -95,9 +101,20 @@ def few(things: Sequence[Any], most: int) -> str:
     return ", ".join(map(str, things[:most])) + more
 
 
+_compared = itertools.count()
+
+
+def start_comparing() -> None:
+    """Names are compared anew: a config with thousands of wrong ones gets suggestions for the first of them only."""
+    global _compared
+    _compared = itertools.count()
+
+
 def nearest_name(name: str, known: Iterable[str]) -> str | None:
     """The known name that `name` is probably a slip of."""
     by_lower = {other.lower(): other for other in reversed(list(known))}
+    if len(by_lower) > MOST_COMPARED or len(name) > LONGEST_SHOWN or next(_compared) * len(by_lower) > MOST_COMPARED:
+        return None
     near = difflib.get_close_matches(name.lower(), by_lower, n=1, cutoff=0.6)
     return by_lower[near[0]] if near else None
 
@@ -107,5 +124,5 @@ def or_else(name: Any, known: Sequence[str]) -> str:
     near = nearest_name(name, known) if isinstance(name, str) else None
     if near is not None:
         return f"; did you mean {printable(near)}?"
-    names = [printable(other) for other in known[:MOST_NAMES]] + ["..."] * (len(known) > MOST_NAMES)
+    names = [printable(_cut(other)) for other in known[:MOST_NAMES]] + ["..."] * (len(known) > MOST_NAMES)
     return f"; known: {', '.join(names)}" if names else "; none is declared"

@@ -1,9 +1,11 @@
 """YAML text to nodes with their places, in one pass over the parser's events.
 
-Refused are aliases (and with them alias bombs), tags, a second document, deep nesting, and keys that are
-doubled or not text.
+Refused are aliases (and with them alias bombs), tags, a second document, deep nesting, more values than any config
+has, keys that are doubled or not text, and line breaks that only YAML 1.1 takes for such, as our parser does.
 """
 
+import re
+import unicodedata
 from collections.abc import Iterator
 from typing import Any, NoReturn
 
@@ -14,6 +16,10 @@ from visitlab_cli.config.problems import Problem, failure, shown
 from visitlab_cli.config.scalars import meaning
 
 DEEPEST = 32
+MOST_VALUES = 20_000
+_OLD_BREAK = re.compile("[\u0085\u2028\u2029]")
+_ODD_SPACE = re.compile("[\u00a0\u00ad\u1680\u180e\u2000-\u200f\u202a-\u202f\u205f-\u2064\u3000\ufeff]")
+"""What looks like a space, or like nothing, and is neither to YAML."""
 
 _Loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
@@ -30,21 +36,52 @@ def read_yaml(text: str, source: str, *, lines: bool = True) -> tuple[Node | Non
         ConfigError: one line, if it cannot be read any further.
     """
     reader = _Reader(text, source, lines)
+    if old := _OLD_BREAK.search(text):
+        reader.stop(f"{_named(old[0])}, which some take for a line break; remove it", _mark(text, old.start()))
     try:
         return reader.document(), reader.problems
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
+        if odd := _odd_space(text, error):
+            reader.stop(f"{_named(text[odd])}; YAML knows no other space than the usual one", _mark(text, odd))
         reader.stop(_in_our_words(error, mark, text), mark)
     except yaml.reader.ReaderError as error:
         before = text.encode()[: error.position].decode(errors="ignore")
-        line, column = before.count("\n"), len(before) - before.rfind("\n") - 1
-        reader.stop(f"a character that YAML does not allow: {shown(chr(error.character))}", (line, column))
+        reader.stop(f"a character that YAML does not allow: {shown(chr(error.character))}", _mark(text, len(before)))
     except UnicodeEncodeError:
         reader.stop("not UTF-8", (0, 0))
 
 
+def _mark(text: str, position: int) -> tuple[int, int]:
+    """Line and column of a place in a text, from 0."""
+    lines = _lines(text[:position])
+    return len(lines) - 1, len(lines[-1])
+
+
+def _lines(text: str) -> list[str]:
+    return re.split("\r\n?|\n", text)
+
+
+def _named(character: str) -> str:
+    return f"a {unicodedata.name(character, 'control character').lower()} (U+{ord(character):04X})"
+
+
+def _odd_space(text: str, error: yaml.MarkedYAMLError) -> int | None:
+    """Where, in the lines that an error is about, there is something that looks like a space and is none."""
+    marks = [mark for mark in (error.context_mark, error.problem_mark) if mark is not None]
+    if not marks:
+        return None
+    ends = [0, *(found.end() for found in re.finditer("\r\n?|\n", text)), len(text)]
+    first = max(min(mark.line for mark in marks) - 1, 0)  # what is wrong may have begun with the line before
+    last = max(mark.line for mark in marks)
+    if first + 1 >= len(ends):
+        return None
+    odd = _ODD_SPACE.search(text, ends[first], ends[min(last + 1, len(ends) - 1)])
+    return None if odd is None else odd.start()
+
+
 def _in_our_words(error: yaml.MarkedYAMLError, mark: Any, text: str) -> str:
-    lines = text.split("\n")
+    lines = _lines(text)
     rest = lines[mark.line][mark.column :] if mark and mark.line < len(lines) else ""
     if rest.startswith("\t"):
         return "a tab; YAML is indented with spaces"
@@ -62,6 +99,7 @@ class _Reader:
         self.source, self.lines = source, lines
         self.events: Iterator[Any] = iter(yaml.parse(text, Loader=_Loader))
         self.problems: list[Problem] = []
+        self.values = 0
 
     def place(self, mark: Any) -> Place:
         line, column = mark if isinstance(mark, tuple) else (mark.line, mark.column)
@@ -86,6 +124,9 @@ class _Reader:
             self.stop(f"an alias (*{event.anchor}); use `like` or `include`", event.start_mark)
         if event.tag is not None:
             self.stop(f"a tag ({shown(event.tag)}); a config has none", event.start_mark)
+        self.values += 1
+        if self.values > MOST_VALUES:
+            self.stop(f"more than {MOST_VALUES} values; no config has so many", event.start_mark)
         if depth > DEEPEST:
             self.stop(f"nested more than {DEEPEST} deep", event.start_mark)
         place = self.place(event.start_mark)

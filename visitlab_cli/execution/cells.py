@@ -7,7 +7,7 @@ from typing import Any
 
 from visitlab_cli.config.canonical import config_hash
 from visitlab_cli.config.experiments import Experiment, SocialTraining, Training, Visit
-from visitlab_cli.config.grid import label, variants
+from visitlab_cli.config.grid import variants
 from visitlab_cli.config.model import Config
 from visitlab_cli.config.names import Module, module
 from visitlab_cli.execution.evaluation import AS_DECLARED, Evaluation
@@ -102,8 +102,7 @@ def plan(config: Config, evaluation: Evaluation | None = None) -> list[Cell]:
     cells: dict[str, Cell] = {}
     run_hash = config_hash(config)
     for variant in variants(config):
-        labels = {path: label(path, value, config.vary[path]) for path, value in variant.values.items()}
-        point = _Point(variant.config, variant.values, labels, run_hash)
+        point = _Point(variant.config, variant.values, variant.labels, run_hash)
         for name, settings in variant.config.experiments.items():
             if isinstance(settings, Visit):
                 made = _visits(point, name, evaluation or AS_DECLARED)
