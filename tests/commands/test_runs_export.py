@@ -76,12 +76,19 @@ def test_results_are_a_row_a_group(tmp_path):
 
 
 def test_no_text_is_a_formula():
-    texts = ["=1+1", "plain", None, "@x", "+y", "-z", "-2", "\tq", "plain"]
-    safe = ["'=1+1", "plain", None, "'@x", "'+y", "'-z", "-2", "'\tq", "plain"]
-    table = pyarrow.table({"text": texts, "coded": pyarrow.array(texts).dictionary_encode(), "number": range(-9, 0)})
-    made = for_spreadsheets(table)
-    assert made.column("text").to_pylist() == made.column("coded").to_pylist() == safe
-    assert made.column("number").to_pylist() == list(range(-9, 0))
+    formulas = ["=1+1", "@x", "+y", "-z", "\tq", "\rq", "\n=q", " =x", "-1_0", "\uff1d1", "--1"]
+    others = ["plain", None, "-2", "+.5", "1e-3", "-inf", "a=b", ""]
+    texts, safe = formulas + others, [f"'{text}" for text in formulas] + others
+    arrays = [
+        pyarrow.array(texts),
+        pyarrow.array(texts, pyarrow.large_string()),
+        pyarrow.array(texts).dictionary_encode(),
+    ]
+    numbers = pyarrow.array(range(-len(texts), 0))
+    made = for_spreadsheets(pyarrow.table([*arrays, numbers], ["=text", "@large", "coded", "-1"]))
+    assert made.column_names == ["'=text", "'@large", "coded", "-1"]
+    assert all(made.column(place).to_pylist() == safe for place in range(3))
+    assert made.column(3).to_pylist() == numbers.to_pylist()
 
 
 @pytest.mark.parametrize(

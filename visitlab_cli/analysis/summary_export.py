@@ -1,5 +1,7 @@
 """Trials, steps, models or results of a run as a CSV or Parquet file, cell by cell, so that memory does not grow."""
 
+import contextlib
+import re
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
@@ -14,7 +16,9 @@ RESULTS = "results"
 READERS: dict[str, Reader] = {"trials": trials_of, "steps": steps_of, "models": model_of}
 CONTENTS = (*READERS, RESULTS)
 CSV, PARQUET = "csv", "parquet"
-STARTS_FORMULA = ("=", "+", "-", "@", "\t", "\r")
+STARTS_FORMULA = re.compile("[\\s\ufeff\u200b]*[=+\\-@\uff1d\uff0b\uff0d\uff20]|[\\t\\r\\n]")
+"""What spreadsheets take for a formula, some after a space, some in wide letters, some after a break."""
+NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?|[-+]?(inf|nan)", re.ASCII)
 
 
 def export_table(run: Path, cells: Sequence[Cell], content: str, file: Path) -> int:
@@ -57,40 +61,37 @@ def _write(parts: Iterator[Any], file: Path, as_csv: bool) -> int:
     from pyarrow import csv, parquet
 
     rows, writer = 0, None
-    try:
+    with file.open("wb") as sink, contextlib.ExitStack() as whole:  # pyarrow takes not every name of a file
         for table in parts:
             table = for_spreadsheets(table) if as_csv else table
             if writer is None:
-                writer = (csv.CSVWriter if as_csv else parquet.ParquetWriter)(file, table.schema)
+                writer = whole.enter_context((csv.CSVWriter if as_csv else parquet.ParquetWriter)(sink, table.schema))
             writer.write_table(table)
             rows += table.num_rows
-    finally:
-        if writer is not None:
-            writer.close()
     return rows
 
 
 def for_spreadsheets(table: Any) -> Any:
-    """A table as CSV can hold it: texts as they are, but none that a spreadsheet would take for a formula."""
+    """A table as CSV can hold it: texts as they are, but none, head or cell, that a spreadsheet takes for a formula."""
     import pyarrow
 
     for place, column in enumerate(table.schema):
         kind = column.type
         if pyarrow.types.is_dictionary(kind):
             table = table.set_column(place, column.name, table.column(place).cast(kind.value_type))
-        if pyarrow.types.is_string(table.schema.field(place).type):
+        if _is_text(table.schema.field(place).type):
             encoded = table.column(place).combine_chunks().dictionary_encode()
             texts = pyarrow.array([harmless(text) for text in encoded.dictionary.to_pylist()], pyarrow.string())
             table = table.set_column(place, column.name, texts.take(encoded.indices))
-    return table
+    return table.rename_columns([harmless(name) for name in table.column_names])
+
+
+def _is_text(kind: Any) -> bool:
+    import pyarrow
+
+    return bool(pyarrow.types.is_string(kind) or pyarrow.types.is_large_string(kind))
 
 
 def harmless(text: str) -> str:
     """A text with an apostrophe before it where a spreadsheet would take it for a formula; numbers stay."""
-    if not text.startswith(STARTS_FORMULA):
-        return text
-    try:
-        float(text)
-    except ValueError:
-        return f"'{text}"
-    return text
+    return f"'{text}" if STARTS_FORMULA.match(text) and not NUMBER.fullmatch(text) else text
