@@ -53,15 +53,16 @@ def shut_out() -> None:
     Raises:
         UsageError: a variable that is heeded has no meaning, or numba would find settings in the current folder.
     """
-    for name in [name for name in os.environ if name.startswith(IGNORED) and name not in KEPT]:
-        del os.environ[name]
+    for name, value in list(os.environ.items()):
+        if name.startswith(IGNORED) and (name not in KEPT or not value):
+            del os.environ[name]
     for name, form in ONLY_IF.items():
         if name in os.environ and not re.fullmatch(form, os.environ[name]):
             del os.environ[name]
     for name, form in KEPT.items():
-        value = os.environ.get(name)
-        if value is not None and not re.fullmatch(form, value):
-            raise UsageError(f"the variable {name}={value}: must be {form.replace('|', ' or ')}; unset {name}")
+        if name in os.environ and not re.fullmatch(form, os.environ[name]):
+            words = form.replace("|", " or ")
+            raise UsageError(f"the variable {name}={os.environ[name]}: must be {words}; unset {name}")
     if sys.flags.optimize > 1:
         raise UsageError("PYTHONOPTIMIZE=2 and python -OO take away the words of every --help; unset it, or say 1")
     if NUMBA_SETTINGS.exists():
