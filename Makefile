@@ -1,10 +1,11 @@
-# Each target sets up everything that it needs on a machine with Python 3.11 and make.
+# Each target sets up everything that it needs on a machine with Python 3.11 or newer and make.
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/ready
+LOWEST := .venv-lowest
 
-.PHONY: quickstart test test-slow check benchmark clean
+.PHONY: quickstart test test-slow test-lowest faults faults-fast check benchmark clean
 
 quickstart: $(READY)
 	$(BIN)/visitlab run configs/quickstart.yaml
@@ -14,6 +15,22 @@ test: $(READY)
 
 test-slow: $(READY)
 	$(BIN)/python -m pytest -m slow
+
+# The lowest versions that pyproject.toml declares, in an environment of their own: by hand, before a release.
+test-lowest:
+	rm -rf $(LOWEST)
+	$(PYTHON) -m venv $(LOWEST)
+	$(PYTHON) tests/lowest.py > $(LOWEST)/lowest.txt
+	$(LOWEST)/bin/python -m pip install --quiet --constraint $(LOWEST)/lowest.txt --editable '.[dev]'
+	$(LOWEST)/bin/python -m pytest -n 2
+
+# What goes wrong around a run, done for real: half an hour at most; FAULTS='killed --seed 7' chooses.
+faults: $(READY)
+	$(BIN)/python -m tests.faults $(FAULTS)
+
+# A minute's slice of it.
+faults-fast: $(READY)
+	$(BIN)/python -m tests.faults --fast
 
 check: $(READY)
 	$(BIN)/ruff check .
@@ -32,4 +49,4 @@ $(READY): pyproject.toml constraints.txt
 	touch $(READY)
 
 clean:
-	rm -rf $(VENV)
+	rm -rf $(VENV) $(LOWEST)

@@ -46,7 +46,7 @@ def room_of(package, file):
 
 
 def imports(file, whole=True, more=""):
-    """The modules that a file, with `more` at its end, imports: anywhere in it, or only those that importing it loads."""
+    """The modules that a file, with `more` at its end, imports: anywhere in it, or only those that it loads at once."""
     tree = ast.parse(file.read_text() + more)
     nodes = ast.walk(tree) if whole else tree.body
     for node in nodes:
