@@ -5,11 +5,20 @@ import resource
 import sys
 import time
 from collections import defaultdict
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 
-from tests.faults import configs, contents_of_runs, disks, fuzzing, interrupted, logs, places  # noqa: F401  (they register)
+from tests.faults import (  # noqa: F401  (they register)
+    configs,
+    contents_of_runs,
+    disks,
+    fuzzing,
+    hostile_runs,
+    interrupted,
+    logs,
+    places,
+)
 from tests.faults.bench import Bench
 from tests.faults.fault import FAULTS, Fault, Try
 from tests.faults.page import write_page
@@ -43,7 +52,7 @@ def one(fault: Fault, index: int, seed: int, bench: Bench) -> Try:
     return this
 
 
-def counted(chosen: Iterable[Fault], seed: int, bench: Bench, only_index: int | None, jobs: int) -> list[Counted]:
+def counted(chosen: Iterable[Fault], seed: int, bench: Bench, only: Sequence[int] | None, jobs: int) -> list[Counted]:
     """Try all of `chosen`, two at a time."""
     found: dict[str, Counted] = {fault.name: Counted(fault, not_tried=bench.missing(fault.needs)) for fault in chosen}
     work = [
@@ -51,7 +60,7 @@ def counted(chosen: Iterable[Fault], seed: int, bench: Bench, only_index: int | 
         for each in found.values()
         if not each.not_tried
         for index in range(each.fault.fast if bench.fast else each.fault.tries)
-        if only_index in (None, index)
+        if only is None or index in only
     ]
     left = defaultdict(int)
     for fault, _ in work:
@@ -81,7 +90,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="python -m tests.faults", description=__doc__)
     parser.add_argument("classes", nargs="*", help="these classes alone", metavar="CLASS")
     parser.add_argument("--seed", type=int, default=0, help="of the moments, bytes and choices (0)")
-    parser.add_argument("--index", type=int, help="this try of a class alone")
+    parser.add_argument("--index", type=int, nargs="+", metavar="N", help="these tries of a class alone, from 0")
     parser.add_argument("--fast", action="store_true", help="a minute's slice of it, for CI")
     parser.add_argument("--jobs", type=int, default=2, help="tries at a time (2)")
     parser.add_argument("--list", action="store_true", help="tell the classes")
