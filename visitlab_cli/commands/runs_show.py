@@ -42,7 +42,7 @@ def command(
         tell(note, err=True)
     cells = plan(config)
     if told := mixed(made_by(folder, (cell.path for cell in cells))):
-        typer.echo(f"{folder}: {told}", err=True)
+        tell(f"{folder}: {told}", err=True)
     line = run_line(folder, config, cells)
     played = [cell for those in evaluated(folder, config).values() for cell in those]
     lines = summaries(folder, [*cells, *played], level)

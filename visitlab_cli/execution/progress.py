@@ -63,7 +63,7 @@ class Progress:
 
     def warn(self, line: str) -> None:
         """Tell the user something that is to be told in any case."""
-        self.console.print(line, style="yellow", markup=False)
+        self.console.print(plain(line), style="yellow", markup=False)
 
     @contextmanager
     def over(self, cells: Sequence[Cell]) -> Iterator[None]:
