@@ -61,13 +61,13 @@ def try_everything(task, agent, random):
                     scene = Scene(row, col, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, goal)
                     after, _, lesson = step(task, scene, action, random)
                     count += 1
-                    learn(agent, observe(task, scene), action, lesson, observe(task, after), count)
+                    learn(agent, observe(task, scene), action, lesson, observe(task, after), False, count, random)
 
 
 @kernel
-def repeat_one(agent, times):
+def repeat_one(agent, times, random):
     for _ in range(times):
-        learn(agent, 0, 24, 1.0, 0, 1)
+        learn(agent, 0, 24, 1.0, 0, False, 1, random)
 
 
 def test_value_iteration_reaches_the_exact_values():
@@ -77,7 +77,7 @@ def test_value_iteration_reaches_the_exact_values():
     agent = parameters.create(Setting("navigation", *size, pairs + 300))._replace(plan_every=pairs + 1)
     try_everything(make_task("navigation"), agent, random_state(0))
     assert (agent.model.visits == 1).all()
-    repeat_one(agent._replace(plan_every=1), 300)  # a cell in its goal room that stays there: no new knowledge
+    repeat_one(agent._replace(plan_every=1), 300, random_state(0))  # a cell in its goal room that stays there: no new knowledge
     q, after = agent.q.reshape(9, CELLS, ACTIONS), transitions()
     for goal in GOALS:
         assert q[goal] == pytest.approx(exact_q(after, goal), abs=1e-6)

@@ -67,8 +67,14 @@ def _choose(agent, state, step, random):  # type: ignore[no-untyped-def]
     """The action for `state` at the agent's `step` (from 1): `(action, explored)`, changing `random`."""
 
 
-def _learn(agent, state, action, reward, next_state, step):  # type: ignore[no-untyped-def]
-    """Learn from one transition, the agent's `step` (from 1); sweeps when its plan says so."""
+def _learn(agent, state, action, reward, next_state, end, step, random):  # type: ignore[no-untyped-def]
+    """Learn from one transition, the agent's `step` (from 1), changing `random` where it draws.
+
+    `end` says that the trial ends with it. The task goes on (no trial ends where the goal is reached), so a
+    bootstrap need not be cut there; but `next_state` is not acted on, and the next call to `choose` is about the
+    first state of another trial. What belongs to one trial, such as eligibility traces or an action drawn ahead,
+    ends with it.
+    """
 
 
 CHOOSE = Operation(_choose)

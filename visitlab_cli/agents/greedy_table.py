@@ -20,5 +20,14 @@ def choose(agent: GreedyTable, state: int, step: int, random: RandomState) -> tu
 
 
 @LEARN.of(GreedyTable)
-def learn(agent: GreedyTable, state: int, action: int, reward: float, next_state: int, step: int) -> None:
+def learn(
+    agent: GreedyTable,
+    state: int,
+    action: int,
+    reward: float,
+    next_state: int,
+    end: bool,
+    step: int,
+    random: RandomState,
+) -> None:
     """Learn nothing."""

@@ -81,7 +81,16 @@ def choose(agent: ModelBased, state: int, step: int, random: RandomState) -> tup
 
 
 @LEARN.of(ModelBased)
-def learn(agent: ModelBased, state: int, action: int, reward: float, next_state: int, step: int) -> None:
+def learn(
+    agent: ModelBased,
+    state: int,
+    action: int,
+    reward: float,
+    next_state: int,
+    end: bool,
+    step: int,
+    random: RandomState,
+) -> None:
     """Count the transition; sweep at every `plan_every`-th step."""
     count(agent.model, state * agent.q.shape[1] + action, reward, next_state)
     if step % agent.plan_every == 0:

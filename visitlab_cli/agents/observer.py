@@ -69,10 +69,19 @@ def choose(agent: Observer, state: int, step: int, random: RandomState) -> tuple
 
 
 @LEARN.of(Observer)
-def learn(agent: Observer, state: int, action: int, reward: float, next_state: int, step: int) -> None:
+def learn(
+    agent: Observer,
+    state: int,
+    action: int,
+    reward: float,
+    next_state: int,
+    end: bool,
+    step: int,
+    random: RandomState,
+) -> None:
     """Both learn from the watched agent's step; later only the learner, from its own."""
     if step <= agent.until:
-        learn_of(agent.watched, state, action, reward, next_state, step)
-        learn_of(agent.learner, state, action, reward, next_state, step)
+        learn_of(agent.watched, state, action, reward, next_state, end, step, random)
+        learn_of(agent.learner, state, action, reward, next_state, end, step, random)
     else:
-        learn_of(agent.acting, state, action, reward, next_state, step)
+        learn_of(agent.acting, state, action, reward, next_state, end, step, random)

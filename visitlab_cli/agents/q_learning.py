@@ -56,7 +56,16 @@ def choose(agent: QLearning, state: int, step: int, random: RandomState) -> tupl
 
 
 @LEARN.of(QLearning)
-def learn(agent: QLearning, state: int, action: int, reward: float, next_state: int, step: int) -> None:
+def learn(
+    agent: QLearning,
+    state: int,
+    action: int,
+    reward: float,
+    next_state: int,
+    end: bool,
+    step: int,
+    random: RandomState,
+) -> None:
     """One temporal-difference update; a trial's end does not cut the bootstrap."""
     target = reward + agent.gamma * maximum(agent.q[next_state])
     agent.q[state, action] += agent.alpha * (target - agent.q[state, action])

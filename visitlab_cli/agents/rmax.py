@@ -74,7 +74,16 @@ def choose(agent: RMax, state: int, step: int, random: RandomState) -> tuple[int
 
 
 @LEARN.of(RMax)
-def learn(agent: RMax, state: int, action: int, reward: float, next_state: int, step: int) -> None:
+def learn(
+    agent: RMax,
+    state: int,
+    action: int,
+    reward: float,
+    next_state: int,
+    end: bool,
+    step: int,
+    random: RandomState,
+) -> None:
     """Count the transition unless its pair is known; sweep the known pairs at every `plan_every`-th step."""
     pair = state * agent.q.shape[1] + action
     if agent.model.visits[pair] < agent.m:

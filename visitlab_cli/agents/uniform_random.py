@@ -41,5 +41,14 @@ def choose(agent: UniformRandom, state: int, step: int, random: RandomState) -> 
 
 
 @LEARN.of(UniformRandom)
-def learn(agent: UniformRandom, state: int, action: int, reward: float, next_state: int, step: int) -> None:
+def learn(
+    agent: UniformRandom,
+    state: int,
+    action: int,
+    reward: float,
+    next_state: int,
+    end: bool,
+    step: int,
+    random: RandomState,
+) -> None:
     """Learn nothing."""

@@ -103,7 +103,7 @@ def play(
             action, explored = choose(agent, state, done, random)
             scene, reward, lesson = step(task, scene, action, random)
             next_state = observe(task, scene)
-            learn(agent, state, action, lesson, next_state, done)
+            learn(agent, state, action, lesson, next_state, trial_step == task.trial_steps, done, random)
             state = next_state
             write_row(columns, row, trial, trial_step, state, scene, action)
             columns.explored[row] = explored
