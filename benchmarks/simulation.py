@@ -35,12 +35,12 @@ def measure(name, steps):
     from visitlab_cli.agents.base import Setting
     from visitlab_cli.agents.registry import AnyAgent
     from visitlab_cli.compiled import JIT_DISABLED
+    from visitlab_cli.humans.six_parameters import SixParameters
     from visitlab_cli.random_numbers import random_state
     from visitlab_cli.simulation.loop import BLOCK_ROWS, START, play
     from visitlab_cli.simulation.visit import make_visit
     from visitlab_cli.world.columns import empty_columns
     from visitlab_cli.world.go_to_human import make_go_to_human
-    from visitlab_cli.world.human import make_human
     from visitlab_cli.world.navigation import make_navigation
     from visitlab_cli.world.social import make_social
     from visitlab_cli.world.tasks import TASK_SIZES
@@ -62,7 +62,7 @@ def measure(name, steps):
 
     task, kind = name.split()
     parameters = TypeAdapter(AnyAgent).validate_python({"kind": kind})
-    human = make_human(**HUMAN_2)
+    human = SixParameters(**HUMAN_2).create()
     if task == "visit":
         # uncompiled, training would take hours: the same sweep over a model of fewer successors
         lessons = 2000 if JIT_DISABLED else SOCIAL_STEPS

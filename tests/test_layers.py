@@ -16,7 +16,7 @@ FLOORS = [
     {"compiled"},
     {"random_numbers"},
     {"world"},
-    {"agents"},
+    {"agents", "humans"},
     {"simulation"},
     {"config"},
     {"recording"},

@@ -7,7 +7,7 @@ file that a kernel calls: an edited rule would silently run as before.
 
 import platform
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
@@ -17,14 +17,14 @@ import llvmlite
 import llvmlite.binding
 import numba
 from numba.core import types
-from numba.extending import overload
+from numba.extending import overload, register_jitable
 
 from visitlab_cli.kernel_cache import Place, cache_of, place
 from visitlab_cli.sources import digest_of, files_of
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
-KERNEL_SOURCES = ("compiled.py", "kernel_cache.py", "random_numbers.py", "world", "agents", "simulation")
+KERNEL_SOURCES = ("compiled.py", "kernel_cache.py", "random_numbers.py", "world", "humans", "agents", "simulation")
 _settings: Any = numba.config
 JIT_DISABLED = bool(_settings.DISABLE_JIT)
 
@@ -109,3 +109,17 @@ class Operation:
             return function
 
         return register
+
+
+def written(name: str, arguments: str, lines: Iterable[str], **names: Any) -> Callable[..., Any]:
+    """A kernel whose text follows from a table; it is compiled into those that call it.
+
+    Args:
+        name: of the function.
+        arguments: as in its `def` line.
+        lines: of its body, not indented.
+        names: what the lines refer to.
+    """
+    body = "".join(f"    {line}\n" for line in lines)
+    exec(f"def {name}({arguments}):\n{body}", names)
+    return cast(Callable[..., Any], register_jitable(names[name]))

@@ -12,10 +12,10 @@ from visitlab_cli.analysis.affordance_policy import UNSEEN, policy_map
 from visitlab_cli.analysis.affordance_truth import FIRST_ENGAGED, true_transitions
 from visitlab_cli.analysis.affordances import affordances, graph
 from visitlab_cli.analysis.affordances_json import ARROWS, as_json, weight
-from visitlab_cli.config.human import Human
 from visitlab_cli.errors import NotFoundError
 from visitlab_cli.execution.cells import plan
 from visitlab_cli.execution.selection import Selection
+from visitlab_cli.humans.six_parameters import SixParameters
 from visitlab_cli.recording.reader import read_steps
 from visitlab_cli.storage.arrays import read_model
 from visitlab_cli.storage.run_folder import read_config
@@ -62,7 +62,7 @@ def surprises(counts, truth):
 
 @pytest.mark.parametrize("task", ["social", "visit"])
 def test_the_true_transitions_are_the_frequencies_in_a_log(logged, task):
-    found, looked_at = surprises(logged[task], true_transitions(Human(**HUMAN), task == "social"))
+    found, looked_at = surprises(logged[task], true_transitions(SixParameters(**HUMAN), task == "social"))
     assert looked_at > 200
     assert found == []
 
@@ -72,11 +72,11 @@ MUTATED = [("p_H", 0.5), ("p_A", 0.2), ("p_P", 0.6), ("p_M", 0.6), ("p_O", 0.5)]
 
 @pytest.mark.parametrize(("parameter", "value"), MUTATED)
 def test_another_human_would_be_noticed(logged, parameter, value):
-    assert surprises(logged["social"], true_transitions(Human(**HUMAN | {parameter: value}), True))[0]
+    assert surprises(logged["social"], true_transitions(SixParameters(**HUMAN | {parameter: value}), True))[0]
 
 
 def test_the_arrows_of_a_human_that_never_fails():
-    truth = true_transitions(Human(p_S=(1, 0, 0)), True)
+    truth = true_transitions(SixParameters(p_S=(1, 0, 0)), True)
     near, far = 2, 4
     for kind, level, outcome, probability in [
         (Kind.HELLO, InteractionLevel.SEEN, InteractionLevel.GREETED, 0),
@@ -135,7 +135,7 @@ def test_learned_shares_are_those_of_the_counts():
     come, greeted = KINDS.index(Kind.COME), InteractionLevel.GREETED
     counts[come, greeted, 2, InteractionLevel.FOLLOWS] = 6
     counts[come, greeted, 4, InteractionLevel.SEEN] = 2  # too far: attention lost for sure
-    human = Human(p_S=(1, 0, 0), p_P=0.5)
+    human = SixParameters(p_S=(1, 0, 0), p_P=0.5)
     made = graph(counts, true_transitions(human, True))
     followed = weight(
         made, next(each for each in ARROWS if each.outcome == InteractionLevel.FOLLOWS and each.level == greeted)

@@ -11,10 +11,10 @@ from pydantic_core import to_jsonable_python
 from tests.program import TINY
 from visitlab_cli.config.canonical import canonical, config_hash, hashed
 from visitlab_cli.config.files import shipped_configs
-from visitlab_cli.config.human import Human
 from visitlab_cli.config.loading import load
 from visitlab_cli.config.messages import _models
 from visitlab_cli.config.model import Config, Interaction
+from visitlab_cli.humans.six_parameters import SixParameters
 from visitlab_cli.settings import Settings, as_yaml, at_default, keys_of, since, since_of
 
 MUST = "must be given"
@@ -131,7 +131,7 @@ def test_every_shipped_config_is_pinned_and_so_is_one_with_every_kind_of_agent()
     assert config_hash(load(TINY)) == "54e75efa"
 
 
-class NewHuman(Human):
+class NewHuman(SixParameters):
     """What a later version may add: a number, a list, a set, a nested part."""
 
     p_N: float = Field(default=0, json_schema_extra=since("0.2.0"))

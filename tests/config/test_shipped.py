@@ -75,7 +75,7 @@ def test_the_schema_explains_every_setting_and_knows_include_and_like() -> None:
     assert described(result, "") == []
     assert set(result["properties"]) == {*Config.model_fields, "include"}
     (human,) = result["properties"]["humans"]["patternProperties"].values()
-    assert (human["if"], human["else"]) == ({"required": ["like"]}, {"$ref": "#/$defs/Human"})
+    assert (human["if"], human["else"]) == ({"required": ["like"]}, {"$ref": "#/$defs/SixParameters"})
 
 
 def test_importing_the_room_imports_nothing_heavy() -> None:

@@ -18,7 +18,8 @@ class Mutation:
     task: str
 
 
-HUMAN, GEOMETRY = "world/human.py", "world/geometry.py"
+HUMAN, GESTURES = "humans/six_parameters.py", "world/human.py"
+GEOMETRY = "world/geometry.py"
 
 MUTATIONS: list[Mutation] = [
     Mutation("attention is never lost", HUMAN, "happens(random, human.p_A)", "False", "social"),
@@ -43,7 +44,7 @@ MUTATIONS: list[Mutation] = [
     Mutation("follows at gestures too", HUMAN, " and not is_gesture(action)", "", "social"),
     Mutation(
         "a look is a gesture",
-        HUMAN,
+        GESTURES,
         "return action == Action.HELLO",
         "return action >= Action.LOOK or action == Action.HELLO",
         "social",
@@ -107,7 +108,7 @@ MUTATIONS: list[Mutation] = [
         "np.floor(turns * HUNDREDTHS)",
         "go_to_human",
     ),
-    Mutation("moves one cell too far", "world/grid.py", "range(speed):", "range(speed + 1):", "navigation"),
+    Mutation("moves one cell too far", "world/lab.py", "range(speed):", "range(speed + 1):", "navigation"),
     Mutation(
         "a move does not turn",
         "world/robot.py",
@@ -131,7 +132,7 @@ MUTATIONS: list[Mutation] = [
     ),
     Mutation(
         "gesture steps are paid",
-        HUMAN,
+        GESTURES,
         "        and scene.human_action != Action.STAY\n        and scene.human_action % N_DIRECTIONS == direction",
         "        and True",
         "social",
@@ -139,7 +140,7 @@ MUTATIONS: list[Mutation] = [
     Mutation(
         "the new desired direction is judged",
         "world/social.py",
-        "reward = 1.0 if follows_in_direction(after, desired)",
+        "reward = 1.0 if follows_in_direction(after, scene.desired_direction)",
         "reward = 1.0 if follows_in_direction(after, random_direction(random))",
         "social",
     ),
@@ -161,8 +162,8 @@ MUTATIONS: list[Mutation] = [
     Mutation(
         "the robot's room is paid",
         "world/visit.py",
-        "if room_of(human.row, human.col) != goal_room",
-        "if room_of(robot.row, robot.col) != goal_room",
+        "rooms[after.human_row, after.human_col]",
+        "rooms[after.robot_row, after.robot_col]",
         "visit",
     ),
 ]

@@ -10,7 +10,7 @@ from visitlab_cli.agents.base import Setting, learn
 from visitlab_cli.agents.model_based import ModelBasedParameters
 from visitlab_cli.compiled import kernel
 from visitlab_cli.random_numbers import random_state
-from visitlab_cli.world.scene import Scene
+from visitlab_cli.world.scene import NOWHERE, Body, acted_scene, with_aims
 from visitlab_cli.world.task import observe, step
 from visitlab_cli.world.tasks import TASK_SIZES
 
@@ -58,7 +58,7 @@ def try_everything(task, agent, random):
         for row in range(24):
             for col in range(24):
                 for action in range(25):
-                    scene = Scene(row, col, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, goal)
+                    scene = with_aims(acted_scene(NOWHERE, Body(row, col, 0), 24), 0, goal)
                     after, _, lesson = step(task, scene, action, random)
                     count += 1
                     learn(agent, observe(task, scene), action, lesson, observe(task, after), False, count, random)
@@ -77,7 +77,9 @@ def test_value_iteration_reaches_the_exact_values():
     agent = parameters.create(Setting("navigation", *size, pairs + 300))._replace(plan_every=pairs + 1)
     try_everything(make_task("navigation"), agent, random_state(0))
     assert (agent.model.visits == 1).all()
-    repeat_one(agent._replace(plan_every=1), 300, random_state(0))  # a cell in its goal room that stays there: no new knowledge
+    repeat_one(
+        agent._replace(plan_every=1), 300, random_state(0)
+    )  # a cell in its goal room that stays there: no new knowledge
     q, after = agent.q.reshape(9, CELLS, ACTIONS), transitions()
     for goal in GOALS:
         assert q[goal] == pytest.approx(exact_q(after, goal), abs=1e-6)

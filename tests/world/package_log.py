@@ -21,18 +21,18 @@ def module_tables():
 
 
 def make_task(task, distances=(1, 2, 4, 5), goal_rooms=tuple(range(9)), **options):
+    from visitlab_cli.humans.six_parameters import SixParameters
     from visitlab_cli.simulation.visit import make_visit
     from visitlab_cli.world.go_to_human import make_go_to_human
-    from visitlab_cli.world.human import make_human
     from visitlab_cli.world.navigation import make_navigation
     from visitlab_cli.world.social import make_social
     from visitlab_cli.world.visit import make_visit_world
 
-    human = make_human(**HUMAN)
+    human = SixParameters(**HUMAN).create()
     if task == "navigation":
-        return make_navigation(TRIAL_STEPS[task])
+        return make_navigation(trial_steps=TRIAL_STEPS[task])
     if task == "go_to_human":
-        return make_go_to_human(TRIAL_STEPS[task], distances=distances, **options)
+        return make_go_to_human(trial_steps=TRIAL_STEPS[task], distances=distances, **options)
     if task == "social":
         return make_social(human, TRIAL_STEPS[task], distances=distances, **options)
     world = make_visit_world(human, goal_rooms, distances)

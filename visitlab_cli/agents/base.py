@@ -35,6 +35,7 @@ class AgentParameters(Settings):
     microseconds_a_step: ClassVar[Mapping[str, float]] = {}
     """What a step costs, by task, for the estimate before a run: of a whole cell on one core, in a visit as its
     social module; where it is not told, the dearest of the kinds that do stands in."""
+    kind: str
 
     references: ClassVar[dict[str, tuple[str, ...]]] = {}
     """Fields that name another declared agent, with the kinds that this one may have (none given: any

@@ -22,7 +22,7 @@ from visitlab_cli.world.enums import (
     InteractionLevel,
 )
 from visitlab_cli.world.geometry import CLOSEST_APPROPRIATE, DISTANCES, FARTHEST_APPROPRIATE
-from visitlab_cli.world.grid import COL_STEPS, ROW_STEPS
+from visitlab_cli.world.lab import COL_STEPS, ROW_STEPS
 
 CELLS_OF_DISTANCE = (0, 2, 3, 5, 7)  # what a category stands for when looking ahead
 LEADING_DISTANCE = 3  # cells

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from visitlab_cli.analysis.affordance_counts import KINDS, Kind
-from visitlab_cli.config.human import Human
+from visitlab_cli.humans.six_parameters import SixParameters
 from visitlab_cli.random_numbers import random_state
 from visitlab_cli.world.enums import (
     MAX_SPEED,
@@ -26,9 +26,9 @@ from visitlab_cli.world.enums import (
     InteractionLevel,
 )
 from visitlab_cli.world.geometry import DISTANCES, is_appropriate, make_geometry
-from visitlab_cli.world.grid import LAB_SIZE, make_grid
+from visitlab_cli.world.lab import ALL_OPEN, paper_lab
 from visitlab_cli.world.robot import move_of, moved
-from visitlab_cli.world.scene import NOWHERE, Body, scene_of
+from visitlab_cli.world.scene import NOWHERE, Body, Reaction, next_scene
 from visitlab_cli.world.social import teleported
 
 Table = npt.NDArray[np.float64]
@@ -45,7 +45,7 @@ class Truth(NamedTuple):
     high: Table
 
 
-def true_transitions(human: Human, teleports: bool, distances: Sequence[int] = DISTANCES) -> Truth:
+def true_transitions(human: SixParameters, teleports: bool, distances: Sequence[int] = DISTANCES) -> Truth:
     """The true Fig. 4 of a human.
 
     Args:
@@ -69,7 +69,7 @@ def true_transitions(human: Human, teleports: bool, distances: Sequence[int] = D
     return truth
 
 
-def _hello_success(human: Human, level: int) -> tuple[float, ...]:
+def _hello_success(human: SixParameters, level: int) -> tuple[float, ...]:
     """The chances that a hello may have at an appropriate distance, as far as the level tells."""
     if level == InteractionLevel.BOTH_FACE:
         return (1.0,)
@@ -78,7 +78,7 @@ def _hello_success(human: Human, level: int) -> tuple[float, ...]:
     return (0.0,) if level < FIRST_ENGAGED else (0.0, 1 - human.p_H, 1.0)
 
 
-def _engagement(human: Human, kind: Kind, level: int, distance: int, hello: float) -> Table:
+def _engagement(human: SixParameters, kind: Kind, level: int, distance: int, hello: float) -> Table:
     """Probabilities of the levels 5, 6, 7 and of no engagement after a kind of action: shape (4,).
 
     The distribution of `world.human.engage`, with the chance `hello` that a hello succeeds.
@@ -97,7 +97,7 @@ def _engagement(human: Human, kind: Kind, level: int, distance: int, hello: floa
     return after
 
 
-def _kept(human: Human, kind: Kind, level: int) -> dict[InteractionLevel, float]:
+def _kept(human: SixParameters, kind: Kind, level: int) -> dict[InteractionLevel, float]:
     """What a human does who is engaged and attentive."""
     if kind == Kind.COME and level == InteractionLevel.GREETED:
         return {InteractionLevel.CALLED: human.p_P, InteractionLevel.FOLLOWS: 1 - human.p_P}
@@ -106,28 +106,32 @@ def _kept(human: Human, kind: Kind, level: int) -> dict[InteractionLevel, float]
     return {InteractionLevel(level): 1.0}
 
 
-def _levels_in_vision(human: Human, distances: Sequence[int]) -> Table:
+def _levels_in_vision(human: SixParameters, distances: Sequence[int]) -> Table:
     """Probabilities of the levels 0 to 4 after teleporting, for each heading of the human before: shape (8, 5).
 
     The human may move at random and look elsewhere in that step; the robot's heading is random. Far from borders.
     """
-    grid, geometry = make_grid(LAB_SIZE, LAB_SIZE), make_geometry(LAB_SIZE, distances)
-    middle = LAB_SIZE // 2
+    lab = paper_lab()
+    geometry, middle = make_geometry(lab.rows, lab.cols, distances), lab.rows // 2
     found = np.zeros((N_DIRECTIONS, FIRST_ENGAGED))
-    nothing = Engagement.NONE.value, Action.NO_ACTION.value, Action.STAY.value, 0, 0
+    nothing = Engagement.NONE.value, Action.STAY.value
     for before in range(N_DIRECTIONS):
         start = Body(middle, middle, before)
         scene = NOWHERE._replace(human_row=middle, human_col=middle, human_heading=before)
-        robot = teleported(grid, scene, random_state(0))  # its cell is certain
+        robot = teleported(lab, scene, random_state(0))  # its cell is certain
         bodies = [(start, 1 - human.p_M)]
         for speed in range(1, MAX_SPEED + 1):
             chance = human.p_M * human.p_S[speed - 1] / N_DIRECTIONS
-            bodies += [(moved(grid, start, move_of(direction, speed)), chance) for direction in range(N_DIRECTIONS)]
+            bodies += [
+                (moved(lab, start, move_of(direction, speed), ALL_OPEN), chance) for direction in range(N_DIRECTIONS)
+            ]
         for body, chance in bodies:
             for human_heading in range(N_DIRECTIONS):
                 gaze = human.p_O / N_DIRECTIONS + (1 - human.p_O) * (human_heading == body.heading)
-                looking = Body(body.row, body.col, human_heading)
+                looking = Reaction(body.row, body.col, human_heading, *nothing)
                 for robot_heading in range(N_DIRECTIONS):
-                    at = scene_of(geometry, Body(robot.row, robot.col, robot_heading), looking, *nothing)
+                    at = next_scene(
+                        geometry, scene, Body(robot.row, robot.col, robot_heading), Action.NO_ACTION.value, looking
+                    )
                     found[before, at.interaction_level] += chance * gaze / N_DIRECTIONS
     return found

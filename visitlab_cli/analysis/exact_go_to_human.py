@@ -15,8 +15,8 @@ from visitlab_cli.random_numbers import random_state
 from visitlab_cli.world.enums import N_DIRECTIONS, N_PHYSICAL_ACTIONS, Action
 from visitlab_cli.world.geometry import DISTANCES
 from visitlab_cli.world.go_to_human import GoToHuman, make_go_to_human, step
-from visitlab_cli.world.grid import LAB_SIZE
-from visitlab_cli.world.scene import NOWHERE, Body, Scene, scene_of
+from visitlab_cli.world.lab import LAB_SIZE
+from visitlab_cli.world.scene import NOWHERE, Body, Scene, first_scene
 
 CELLS = LAB_SIZE * LAB_SIZE
 REACH = LAB_SIZE - 1
@@ -46,8 +46,7 @@ def go_to_human_motion(success: str = "facing", distances: Sequence[int] = DISTA
 
 
 def _scene(task: GoToHuman, robot: Body, human: Body) -> Scene:
-    nothing = NOWHERE.engagement, NOWHERE.executed_action, NOWHERE.human_action, 0, 0
-    return scene_of(task.geometry, robot, human, *nothing)
+    return first_scene(task.geometry, NOWHERE, robot, human)
 
 
 @cache

@@ -17,7 +17,7 @@ from visitlab_cli.analysis.exact_motion import (
 )
 from visitlab_cli.random_numbers import random_state
 from visitlab_cli.world.enums import N_PHYSICAL_ACTIONS, Action
-from visitlab_cli.world.grid import LAB_SIZE, N_ROOMS
+from visitlab_cli.world.lab import LAB_SIZE, N_ROOMS
 from visitlab_cli.world.navigation import make_navigation, step
 from visitlab_cli.world.scene import NOWHERE
 

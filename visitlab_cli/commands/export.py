@@ -91,7 +91,7 @@ def _shown(path: Path, number: int) -> "ShownTrial":
     from visitlab_cli.recording.foxglove_scene import ShownTrial
     from visitlab_cli.replay.trial import load_trial
     from visitlab_cli.story import GESTURES, captions, executed, room_name
-    from visitlab_cli.world.grid import N_ROOMS
+    from visitlab_cli.world.lab import N_ROOMS
 
     trial = load_trial(path, number)
     return ShownTrial(

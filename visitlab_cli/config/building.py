@@ -11,7 +11,6 @@ from visitlab_cli.agents.registry import AnyAgent
 from visitlab_cli.config.canonical import canonical
 from visitlab_cli.config.document import Node, Plain
 from visitlab_cli.config.experiments import Experiment, SocialTraining, Visit
-from visitlab_cli.config.human import Human
 from visitlab_cli.config.like import resolve_like
 from visitlab_cli.config.messages import issues_of
 from visitlab_cli.config.model import Config
@@ -19,10 +18,11 @@ from visitlab_cli.config.names import module
 from visitlab_cli.config.problems import Issue, Problem, failure, positioned, start_comparing
 from visitlab_cli.config.references import Declared
 from visitlab_cli.config.references import issues as reference_issues
+from visitlab_cli.humans.registry import AnyHuman
 
 NOT_KEPT = "can't be kept: it is read otherwise than it is written (a fault of its kind)"
 _ENTRIES: dict[str, TypeAdapter[Any]] = {
-    "humans": TypeAdapter(Human),
+    "humans": TypeAdapter(AnyHuman),
     "agents": TypeAdapter(AnyAgent),
     "experiments": TypeAdapter(Experiment),
 }

@@ -4,11 +4,11 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo, WithJsonSchema, field_validator
 
-from visitlab_cli.config.human import Probability
 from visitlab_cli.config.names import ModuleName, Name
+from visitlab_cli.humans.base import Probability
 from visitlab_cli.settings import Settings
 from visitlab_cli.world.columns import GO_TO_HUMAN, NAVIGATION, SOCIAL
-from visitlab_cli.world.grid import N_ROOMS
+from visitlab_cli.world.lab import N_ROOMS
 from visitlab_cli.world.social import ARENA, DIRECTION_CHANGE
 from visitlab_cli.world.task import TRAINING_TRIAL_STEPS, VISIT_TRIAL_STEPS
 

@@ -7,8 +7,8 @@ from pydantic import AfterValidator, Discriminator, Field, JsonValue, Tag
 
 from visitlab_cli.agents.registry import AnyAgent
 from visitlab_cli.config.experiments import Experiment
-from visitlab_cli.config.human import Human
 from visitlab_cli.config.names import LOG_ENDING, RESERVED_EXPERIMENTS, RESERVED_RUNS, Name
+from visitlab_cli.humans.registry import AnyHuman
 from visitlab_cli.settings import Settings
 from visitlab_cli.world.geometry import DISTANCES
 
@@ -108,7 +108,7 @@ class Config(Settings):
     name: RunName = Field(description="the run's name; its folder is called <name>-<hash>")
     seed: int = Field(default=0, ge=0, lt=2**63, description="root of every random number")
     seeds: int = Field(default=1, ge=1, le=100_000, description="independent repetitions of each cell")
-    humans: dict[Name, Human] = Field(default={}, description="the humans, by name")
+    humans: dict[Name, AnyHuman] = Field(default={}, description="the humans, by name")
     agents: dict[Name, AnyAgent] = Field(min_length=1, description="the learning agents, by name")
     experiments: dict[ExperimentName, Experiment] = Field(min_length=1, description="trainings and visits, by name")
     interaction: Interaction = Field(default=Interaction(), description="distances of the interaction")

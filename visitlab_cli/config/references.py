@@ -5,9 +5,9 @@ from typing import Any, NamedTuple
 
 from visitlab_cli.agents.base import AgentParameters
 from visitlab_cli.config.experiments import MODULE_TASKS, SocialTraining, Training, Visit
-from visitlab_cli.config.human import Human
 from visitlab_cli.config.names import module
 from visitlab_cli.config.problems import Issue, Path, or_else, printable
+from visitlab_cli.humans.base import HumanParameters
 from visitlab_cli.settings import key_of
 from visitlab_cli.world.columns import SOCIAL, VISIT
 
@@ -15,7 +15,7 @@ from visitlab_cli.world.columns import SOCIAL, VISIT
 class Declared(NamedTuple):
     """What is declared, by name; None for what is declared but wrong in itself."""
 
-    humans: Mapping[str, Human | None]
+    humans: Mapping[str, HumanParameters | None]
     agents: Mapping[str, AgentParameters | None]
     experiments: Mapping[str, Any]
     expected: Iterable[str] = ()

@@ -15,7 +15,6 @@ from visitlab_cli.execution.cells import Cell
 from visitlab_cli.simulation.visit import make_visit
 from visitlab_cli.world.columns import GO_TO_HUMAN, NAVIGATION, SOCIAL
 from visitlab_cli.world.go_to_human import make_go_to_human
-from visitlab_cli.world.human import Human, make_human
 from visitlab_cli.world.navigation import make_navigation
 from visitlab_cli.world.social import make_social
 from visitlab_cli.world.tasks import TASK_SIZES
@@ -44,9 +43,9 @@ def build(cell: Cell, models: Mapping[str, Saved]) -> Simulation:
         return _build_visit(cell, settings, models)
     task: Any
     if isinstance(settings, NavigationTraining):
-        task = make_navigation(settings.trial_steps)
+        task = make_navigation(trial_steps=settings.trial_steps)
     elif isinstance(settings, GoToHumanTraining):
-        task = make_go_to_human(settings.trial_steps, settings.success, distances)
+        task = make_go_to_human(None, settings.trial_steps, settings.success, distances)
     else:
         task = _social_task(cell, settings)
     parameters = cell.config.agents[cell.agent]
@@ -69,8 +68,8 @@ def _social_task(cell: Cell, settings: SocialTraining) -> Any:
     )
 
 
-def _human(cell: Cell) -> Human:
-    return make_human(**cell.config.humans[cell.human].model_dump())
+def _human(cell: Cell) -> Any:
+    return cell.config.humans[cell.human].create()
 
 
 def _setting(cell: Cell, steps: int) -> Setting:

@@ -15,7 +15,7 @@ from visitlab_cli.figures.source import Floats, Group, Source
 from visitlab_cli.figures.style import FONT_SIZE, GREEN, GREY, INK, PAGE, VERMILION
 from visitlab_cli.story import room_name
 from visitlab_cli.world.enums import MAX_SPEED
-from visitlab_cli.world.grid import LAB_SIZE, N_ROOMS, ROOM_SIZE, ROOMS_PER_SIDE
+from visitlab_cli.world.lab import LAB_SIZE, N_ROOMS, ROOM_SIZE, ROOMS_PER_SIDE
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from visitlab_cli.recording.reader import Columns
-from visitlab_cli.world.grid import ROOM_SIZE, ROOMS_PER_SIDE
+from visitlab_cli.world.lab import ROOM_SIZE, ROOMS_PER_SIDE
 
 LAB, ROBOT, HUMAN = "lab", "robot", "human"
 RIGHT_ANGLE = 2  # in headings of 45 degrees

@@ -19,7 +19,7 @@ from visitlab_cli.recording.log import Log, open_log
 from visitlab_cli.recording.schema import ONE_TRIAL_IN
 from visitlab_cli.world.columns import COLUMNS
 from visitlab_cli.world.enums import N_DISTANCES
-from visitlab_cli.world.grid import N_ROOMS
+from visitlab_cli.world.lab import N_ROOMS
 
 Columns = dict[str, npt.NDArray[np.generic]]
 

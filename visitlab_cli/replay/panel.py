@@ -23,7 +23,7 @@ from visitlab_cli.story import (
 )
 from visitlab_cli.world.columns import VISIT
 from visitlab_cli.world.enums import Action
-from visitlab_cli.world.grid import LAB_SIZE, N_ROOMS, ROOM_SIZE, ROOMS_PER_SIDE
+from visitlab_cli.world.lab import LAB_SIZE, N_ROOMS, ROOM_SIZE, ROOMS_PER_SIDE
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -18,7 +18,7 @@ from visitlab_cli.storage.cell_folder import MODEL
 from visitlab_cli.story import Steps
 from visitlab_cli.world.columns import NAVIGATION, SOCIAL, VISIT
 from visitlab_cli.world.geometry import DISTANCES
-from visitlab_cli.world.grid import COL_STEPS, LAB_SIZE, ROW_STEPS
+from visitlab_cli.world.lab import COL_STEPS, LAB_SIZE, ROW_STEPS
 from visitlab_cli.world.social import ARENA
 from visitlab_cli.world.tasks import TASK_SIZES
 

@@ -24,7 +24,7 @@ from visitlab_cli.story import (
     Colour,
     room_name,
 )
-from visitlab_cli.world.grid import LAB_SIZE, N_ROOMS, ROOM_SIZE
+from visitlab_cli.world.lab import LAB_SIZE, N_ROOMS, ROOM_SIZE
 
 BEGINNING = "<!doctype html>\n<!-- a report of visitlab -->\n"
 """How every report begins: what begins otherwise is somebody else's file."""

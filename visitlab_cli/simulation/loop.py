@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from visitlab_cli.agents.base import choose, learn
 from visitlab_cli.agents.exploration import Table
-from visitlab_cli.compiled import kernel
+from visitlab_cli.compiled import kernel, written
 from visitlab_cli.random_numbers import RandomState
 from visitlab_cli.world.columns import StepColumns
 from visitlab_cli.world.enums import Action
@@ -31,6 +31,14 @@ class Cursor(NamedTuple):
 START = Cursor(NOWHERE, 0, 0, -1, 0)
 
 
+_write_scene = written(
+    "write_scene",
+    "columns, row, scene",
+    [f"columns.{name}[row] = scene.{name}" for name in StepColumns._fields if name in Scene._fields],
+)
+"""What the log keeps of a scene: the columns that are called as its fields."""
+
+
 @kernel
 def write_row(
     columns: StepColumns, row: int, trial: int, trial_step: int, state: int, scene: Scene, action: int
@@ -40,19 +48,7 @@ def write_row(
     columns.step[row] = trial_step
     columns.state[row] = state
     columns.action[row] = action
-    columns.executed_action[row] = scene.executed_action
-    columns.robot_row[row] = scene.robot_row
-    columns.robot_col[row] = scene.robot_col
-    columns.robot_heading[row] = scene.robot_heading
-    columns.human_row[row] = scene.human_row
-    columns.human_col[row] = scene.human_col
-    columns.human_heading[row] = scene.human_heading
-    columns.human_action[row] = scene.human_action
-    columns.interaction_level[row] = scene.interaction_level
-    columns.distance[row] = scene.distance
-    columns.angle[row] = scene.angle
-    columns.desired_direction[row] = scene.desired_direction
-    columns.goal_room[row] = scene.goal_room
+    _write_scene(columns, row, scene)
 
 
 @kernel

@@ -13,8 +13,8 @@ from visitlab_cli.compiled import kernel
 from visitlab_cli.random_numbers import RandomState
 from visitlab_cli.world.enums import MAX_SPEED, N_DIRECTIONS, N_MOVES, Action
 from visitlab_cli.world.go_to_human import go_to_human_state
-from visitlab_cli.world.grid import LAB_SIZE, N_ROOMS
 from visitlab_cli.world.human import follows_in_direction
+from visitlab_cli.world.lab import Lab
 from visitlab_cli.world.scene import Scene, with_aims
 from visitlab_cli.world.social import social_state
 from visitlab_cli.world.task import BEGIN_TRIAL, OBSERVE, STEP, VISIT_TRIAL_STEPS
@@ -38,18 +38,21 @@ def make_visit(
     trial_steps: int = VISIT_TRIAL_STEPS,
     social_reward: str = "social",
 ) -> Visit:
-    """A visit with the Q of the two modules, shapes (5184, 25) and (320, 25); `social_reward`: `social` or `none`."""
-    direction_values = direction_values_of(navigation_q)
+    """A visit with the Q of the two modules, shapes (goal rooms * cells, 25) and (320, 25).
+
+    `social_reward` is `social` or `none`.
+    """
+    direction_values = direction_values_of(navigation_q, world.lab)
     return Visit(world, direction_values, go_to_human_q, trial_steps, social_reward == "social")
 
 
-def direction_values_of(navigation_q: Table) -> Table:
+def direction_values_of(navigation_q: Table, lab: Lab) -> Table:
     """Navigation's Q averaged over the three speeds: shape (goal rooms, rows, cols, 8)."""
     moves = navigation_q[:, :N_MOVES].reshape(-1, MAX_SPEED, N_DIRECTIONS)
     total = moves[:, 0]
     for speed in range(1, MAX_SPEED):  # in this order: equal directions must come out exactly equal
         total = total + moves[:, speed]
-    return np.ascontiguousarray(total / MAX_SPEED).reshape(N_ROOMS, LAB_SIZE, LAB_SIZE, N_DIRECTIONS)
+    return np.ascontiguousarray(total / MAX_SPEED).reshape(lab.n_rooms, lab.rows, lab.cols, N_DIRECTIONS)
 
 
 @kernel

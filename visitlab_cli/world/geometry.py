@@ -31,9 +31,9 @@ class Geometry(NamedTuple):
     distance: npt.NDArray[np.int64]  # category 0..4
 
 
-def make_geometry(size: int, distances: Sequence[int] = DISTANCES) -> Geometry:
-    """The tables of a grid of `size` x `size` cells with the four `distances` thresholds, in cells."""
-    reach = size - 1
+def make_geometry(rows: int, cols: int, distances: Sequence[int] = DISTANCES) -> Geometry:
+    """The tables of a grid of `rows` x `cols` cells with the four `distances` thresholds, in cells."""
+    reach = max(rows, cols) - 1
     differences = np.arange(-reach, reach + 1)
     north, east = np.meshgrid(differences, differences, indexing="ij")
     turns = np.arctan2(north, east) / (np.pi / 4) % N_DIRECTIONS

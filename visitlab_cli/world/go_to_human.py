@@ -9,14 +9,12 @@ from visitlab_cli.world.enums import (
     N_DIRECTIONS,
     N_DISTANCES,
     N_PHYSICAL_ACTIONS,
-    Action,
-    Engagement,
     InteractionLevel,
 )
 from visitlab_cli.world.geometry import DISTANCES, Geometry, is_appropriate, make_geometry
-from visitlab_cli.world.grid import LAB_SIZE, Grid, make_grid
+from visitlab_cli.world.lab import Lab, paper_lab
 from visitlab_cli.world.robot import acted
-from visitlab_cli.world.scene import Body, Scene, human_of, random_body, robot_of, scene_of
+from visitlab_cli.world.scene import Scene, acted_scene, first_scene, random_body, related, with_aims
 from visitlab_cli.world.task import BEGIN_TRIAL, OBSERVE, STEP, TRAINING_TRIAL_STEPS
 
 N_STATES = N_DIRECTIONS * N_DIRECTIONS * N_DISTANCES
@@ -26,18 +24,21 @@ N_ACTIONS = N_PHYSICAL_ACTIONS
 class GoToHuman(NamedTuple):
     """`seen_is_enough`: success where the human merely sees the robot, not only where it faces it."""
 
-    grid: Grid
+    lab: Lab
     geometry: Geometry
     trial_steps: int
     seen_is_enough: bool
 
 
 def make_go_to_human(
-    trial_steps: int = TRAINING_TRIAL_STEPS, success: str = "facing", distances: Sequence[int] = DISTANCES
+    lab: Lab | None = None,
+    trial_steps: int = TRAINING_TRIAL_STEPS,
+    success: str = "facing",
+    distances: Sequence[int] = DISTANCES,
 ) -> GoToHuman:
-    """The task in the lab; `success` is `facing` or `seen`."""
-    geometry = make_geometry(LAB_SIZE, distances)
-    return GoToHuman(make_grid(LAB_SIZE, LAB_SIZE), geometry, trial_steps, success == "seen")
+    """The task in `lab`, the paper's unless given; `success` is `facing` or `seen`."""
+    lab = lab or paper_lab()
+    return GoToHuman(lab, make_geometry(lab.rows, lab.cols, distances), trial_steps, success == "seen")
 
 
 @kernel
@@ -55,24 +56,18 @@ def is_success(scene: Scene, seen_is_enough: bool) -> bool:
     return is_appropriate(scene.distance) and (faced or seen)
 
 
-@kernel
-def _scene(task: GoToHuman, robot: Body, human: Body, action: int) -> Scene:
-    return scene_of(task.geometry, robot, human, Engagement.NONE.value, action, Action.STAY.value, 0, 0)
-
-
 @BEGIN_TRIAL.of(GoToHuman)
 def begin_trial(task: GoToHuman, last: Scene, random: RandomState) -> Scene:
     """All cells and headings random."""
-    robot = random_body(task.grid, random)
-    human = random_body(task.grid, random)
-    return _scene(task, robot, human, Action.NO_ACTION.value)
+    robot = random_body(task.lab, random)
+    human = random_body(task.lab, random)
+    return with_aims(first_scene(task.geometry, last, robot, human), 0, 0)
 
 
 @STEP.of(GoToHuman)
 def step(task: GoToHuman, scene: Scene, action: int, random: RandomState) -> tuple[Scene, float, float]:
     """A reward of 1 where the step ends in success."""
-    robot = acted(task.grid, robot_of(scene), action, scene.angle)
-    after = _scene(task, robot, human_of(scene), action)
+    after = related(task.geometry, acted_scene(scene, acted(task.lab, scene, action), action))
     reward = 1.0 if is_success(after, task.seen_is_enough) else 0.0
     return after, reward, reward
 

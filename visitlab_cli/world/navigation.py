@@ -5,9 +5,9 @@ from typing import NamedTuple
 from visitlab_cli.compiled import kernel
 from visitlab_cli.random_numbers import RandomState, random_below
 from visitlab_cli.world.enums import N_PHYSICAL_ACTIONS, Action, Direction
-from visitlab_cli.world.grid import LAB_SIZE, N_ROOMS, Grid, make_grid, room_of
+from visitlab_cli.world.lab import LAB_SIZE, N_ROOMS, Lab, paper_lab
 from visitlab_cli.world.robot import acted
-from visitlab_cli.world.scene import Scene, robot_of
+from visitlab_cli.world.scene import Body, Scene, acted_scene, with_aims
 from visitlab_cli.world.task import BEGIN_TRIAL, OBSERVE, STEP, TRAINING_TRIAL_STEPS
 
 N_STATES = N_ROOMS * LAB_SIZE * LAB_SIZE
@@ -17,42 +17,38 @@ N_ACTIONS = N_PHYSICAL_ACTIONS
 class Navigation(NamedTuple):
     """The lab and how many steps a trial has."""
 
-    grid: Grid
+    lab: Lab
     trial_steps: int
 
 
-def make_navigation(trial_steps: int = TRAINING_TRIAL_STEPS) -> Navigation:
-    """Navigation in the lab of 24 x 24 cells."""
-    return Navigation(make_grid(LAB_SIZE, LAB_SIZE), trial_steps)
+def make_navigation(lab: Lab | None = None, trial_steps: int = TRAINING_TRIAL_STEPS) -> Navigation:
+    """Navigation in `lab`, the paper's unless given."""
+    return Navigation(lab or paper_lab(), trial_steps)
 
 
 @kernel
-def navigation_state(goal_room: int, row: int, col: int) -> int:
+def navigation_state(lab: Lab, goal_room: int, row: int, col: int) -> int:
     """State index: goal_room * cells + row * width + col."""
-    return goal_room * (LAB_SIZE * LAB_SIZE) + row * LAB_SIZE + col
-
-
-@kernel
-def _scene(row: int, col: int, heading: int, action: int, goal_room: int) -> Scene:
-    return Scene(row, col, heading, 0, 0, 0, 0, action, 0, 0, 0, 0, 0, goal_room)
+    return (goal_room * lab.rows + row) * lab.cols + col
 
 
 @BEGIN_TRIAL.of(Navigation)
 def begin_trial(task: Navigation, last: Scene, random: RandomState) -> Scene:
     """A random cell, heading east, and a random goal room."""
-    row, col = random_below(random, task.grid.rows), random_below(random, task.grid.cols)
-    return _scene(row, col, Direction.EAST.value, Action.NO_ACTION.value, random_below(random, N_ROOMS))
+    row, col = random_below(random, task.lab.rows), random_below(random, task.lab.cols)
+    robot = Body(row, col, Direction.EAST.value)
+    return with_aims(acted_scene(last, robot, Action.NO_ACTION.value), 0, random_below(random, task.lab.n_rooms))
 
 
 @STEP.of(Navigation)
 def step(task: Navigation, scene: Scene, action: int, random: RandomState) -> tuple[Scene, float, float]:
     """A reward of 1 where the step ends in the goal room."""
-    robot = acted(task.grid, robot_of(scene), action, 0)
-    reward = 1.0 if room_of(robot.row, robot.col) == scene.goal_room else 0.0
-    return _scene(robot.row, robot.col, robot.heading, action, scene.goal_room), reward, reward
+    robot = acted(task.lab, scene, action)
+    reward = 1.0 if task.lab.rooms[robot.row, robot.col] == scene.goal_room else 0.0
+    return acted_scene(scene, robot, action), reward, reward
 
 
 @OBSERVE.of(Navigation)
 def observe(task: Navigation, scene: Scene) -> int:
     """`navigation_state` of the robot's cell."""
-    return navigation_state(scene.goal_room, scene.robot_row, scene.robot_col)
+    return navigation_state(task.lab, scene.goal_room, scene.robot_row, scene.robot_col)

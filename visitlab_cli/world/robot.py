@@ -2,8 +2,8 @@
 
 from visitlab_cli.compiled import kernel
 from visitlab_cli.world.enums import N_DIRECTIONS, N_MOVES, Action
-from visitlab_cli.world.grid import Grid, move
-from visitlab_cli.world.scene import Body
+from visitlab_cli.world.lab import Lab, move
+from visitlab_cli.world.scene import Body, Scene, robot_of
 
 
 @kernel
@@ -19,18 +19,19 @@ def move_of(direction: int, speed: int) -> int:
 
 
 @kernel
-def moved(grid: Grid, body: Body, action: int) -> Body:
+def moved(lab: Lab, body: Body, action: int, open_doors: int) -> Body:
     """A body after a move: it heads in the move's direction, also when blocked."""
     direction, speed = action % N_DIRECTIONS, action // N_DIRECTIONS + 1
-    row, col = move(grid, body.row, body.col, direction, speed)
+    row, col = move(lab, body.row, body.col, direction, speed, open_doors)
     return Body(row, col, direction)
 
 
 @kernel
-def acted(grid: Grid, body: Body, action: int, angle: int) -> Body:
-    """The robot after `action`; `angle` (0..7), the direction to the human, is where a look turns it."""
+def acted(lab: Lab, scene: Scene, action: int) -> Body:
+    """The robot after `action` in `scene`; a look turns it to the human."""
+    body = robot_of(scene)
     if is_move(action):
-        return moved(grid, body, action)
+        return moved(lab, body, action, scene.open_doors)
     if action == Action.LOOK:
-        return Body(body.row, body.col, angle)
+        return Body(body.row, body.col, scene.angle)
     return body

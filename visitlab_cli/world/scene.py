@@ -1,31 +1,50 @@
-"""A scene: where robot and human are, what they just did and how they stand to each other. Immutable."""
+"""A scene: where robot and human are, what they just did and how they stand to each other. Immutable.
 
+A new field is written here, and nowhere else is a scene's field list repeated: what the human decides of the next
+scene is a `Reaction`, whose fields are copied by name; and a column of the log that is called as a field is
+filled from it (`simulation/loop.py`).
+"""
+
+from collections.abc import Callable
 from typing import NamedTuple
 
-from visitlab_cli.compiled import kernel
+from visitlab_cli.compiled import kernel, written
 from visitlab_cli.random_numbers import RandomState, random_below
-from visitlab_cli.world.enums import N_DIRECTIONS, Engagement, InteractionLevel
+from visitlab_cli.world.enums import N_DIRECTIONS, Action, Engagement, InteractionLevel
 from visitlab_cli.world.geometry import Geometry, sight
-from visitlab_cli.world.grid import Grid
+from visitlab_cli.world.lab import ALL_OPEN, Lab
 
 
 class Scene(NamedTuple):
     """One moment of a task, all integers; a task leaves what it lacks at 0."""
 
-    robot_row: int
-    robot_col: int
-    robot_heading: int
+    robot_row: int = 0
+    robot_col: int = 0
+    robot_heading: int = 0
+    human_row: int = 0
+    human_col: int = 0
+    human_heading: int = 0
+    engagement: int = 0
+    executed_action: int = 0  # of the robot in the step that led here
+    human_action: int = 0  # of the human in that step
+    interaction_level: int = 0
+    distance: int = 0
+    angle: int = 0
+    desired_direction: int = 0
+    goal_room: int = 0
+    human_memory: int = 0  # 64 bits that a human's rules may use, 0 at a trial's start
+    open_doors: int = ALL_OPEN  # a bit for each of the lab's doors that is open
+
+
+class Reaction(NamedTuple):
+    """What the human decides in a step: fields of the next scene, by the same names."""
+
     human_row: int
     human_col: int
     human_heading: int
     engagement: int
-    executed_action: int  # of the robot in the step that led here
-    human_action: int  # of the human in that step
-    interaction_level: int
-    distance: int
-    angle: int
-    desired_direction: int
-    goal_room: int
+    human_action: int  # its move at the speed it drew, blocked or not, or STAY
+    human_memory: int = 0
 
 
 class Body(NamedTuple):
@@ -36,44 +55,56 @@ class Body(NamedTuple):
     heading: int
 
 
-NOWHERE = Scene(0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, -1, -1)
+NOWHERE = Scene(desired_direction=-1, goal_room=-1)
 """What a task's first trial follows: no goal room and no desired direction to carry over."""
 
 
+def _with(*fields: str, of: str = "") -> Callable[..., Scene]:
+    """A kernel `(scene, *fields)`, or `(scene, of)` that takes them from a record: the scene with these changed."""
+    arguments = of or ", ".join(fields)
+    values = {name: f"scene.{name}" for name in Scene._fields}
+    values |= {name: f"{of}.{name}" if of else name for name in fields}
+    made = ", ".join(f"{name}={value}" for name, value in values.items())
+    return written("scene_with", f"scene, {arguments}", [f"return Scene({made})"], Scene=Scene)
+
+
+with_aims: Callable[[Scene, int, int], Scene] = _with("desired_direction", "goal_room")
+"""The same scene with another desired direction and goal room."""
+_with_robot: Callable[..., Scene] = _with("robot_row", "robot_col", "robot_heading", "executed_action")
+_with_human: Callable[..., Scene] = _with(*Reaction._fields, of="reaction")
+_with_relation: Callable[..., Scene] = _with("interaction_level", "distance", "angle")
+
+
 @kernel
-def scene_of(
-    geometry: Geometry,
-    robot: Body,
-    human: Body,
-    engagement: int,
-    executed_action: int,
-    human_action: int,
-    desired_direction: int,
-    goal_room: int,
-) -> Scene:
-    """The scene of these bodies, with the distance, angle and interaction level that follow from them."""
-    north, east = robot.row - human.row, human.col - robot.col
+def acted_scene(scene: Scene, robot: Body, action: int) -> Scene:
+    """The scene with the robot's body after its executed `action`; how it stands to the human is left as it was."""
+    return _with_robot(scene, robot.row, robot.col, robot.heading, action)
+
+
+@kernel
+def related(geometry: Geometry, scene: Scene) -> Scene:
+    """The scene with the distance, angle and interaction level that follow from bodies and engagement."""
+    north, east = scene.robot_row - scene.human_row, scene.human_col - scene.robot_col
     place = north + geometry.reach, east + geometry.reach
-    if engagement == Engagement.NONE:
-        level = sight(geometry, north, east, robot.heading, human.heading)
+    if scene.engagement == Engagement.NONE:
+        level = sight(geometry, north, east, scene.robot_heading, scene.human_heading)
     else:
-        level = engagement + InteractionLevel.BOTH_FACE.value
-    return Scene(
-        robot.row,
-        robot.col,
-        robot.heading,
-        human.row,
-        human.col,
-        human.heading,
-        engagement,
-        executed_action,
-        human_action,
-        level,
-        int(geometry.distance[place]),
-        int(geometry.angle[place]),
-        desired_direction,
-        goal_room,
-    )
+        level = scene.engagement + InteractionLevel.BOTH_FACE.value
+    return _with_relation(scene, level, int(geometry.distance[place]), int(geometry.angle[place]))
+
+
+@kernel
+def first_scene(geometry: Geometry, last: Scene, robot: Body, human: Body) -> Scene:
+    """The scene that a trial starts in: nobody engaged, nothing done; the aims and doors are those of `last`."""
+    no_action = Action.NO_ACTION.value
+    reaction = Reaction(human.row, human.col, human.heading, Engagement.NONE.value, no_action, 0)
+    return related(geometry, _with_human(acted_scene(last, robot, no_action), reaction))
+
+
+@kernel
+def next_scene(geometry: Geometry, scene: Scene, robot: Body, action: int, reaction: Reaction) -> Scene:
+    """The scene after a step: the robot's body after its executed `action`, and the human's `reaction`."""
+    return related(geometry, _with_human(acted_scene(scene, robot, action), reaction))
 
 
 @kernel
@@ -95,27 +126,6 @@ def random_direction(random: RandomState) -> int:
 
 
 @kernel
-def random_body(grid: Grid, random: RandomState) -> Body:
-    """A cell and a heading, uniform over the grid."""
-    return Body(random_below(random, grid.rows), random_below(random, grid.cols), random_direction(random))
-
-
-@kernel
-def with_aims(scene: Scene, desired_direction: int, goal_room: int) -> Scene:
-    """The same scene with another desired direction and goal room."""
-    return Scene(
-        scene.robot_row,
-        scene.robot_col,
-        scene.robot_heading,
-        scene.human_row,
-        scene.human_col,
-        scene.human_heading,
-        scene.engagement,
-        scene.executed_action,
-        scene.human_action,
-        scene.interaction_level,
-        scene.distance,
-        scene.angle,
-        desired_direction,
-        goal_room,
-    )
+def random_body(lab: Lab, random: RandomState) -> Body:
+    """A cell and a heading, uniform over the lab."""
+    return Body(random_below(random, lab.rows), random_below(random, lab.cols), random_direction(random))

@@ -1,7 +1,7 @@
 """The task `social`: win the human's attention and make it move in the desired direction (paper, section 3.3)."""
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from visitlab_cli.compiled import kernel
 from visitlab_cli.random_numbers import RandomState, happens
@@ -14,10 +14,18 @@ from visitlab_cli.world.enums import (
     Engagement,
 )
 from visitlab_cli.world.geometry import DISTANCES, Geometry, make_geometry
-from visitlab_cli.world.grid import Grid, make_grid, move
-from visitlab_cli.world.human import Human, follows_in_direction, react
+from visitlab_cli.world.human import follows_in_direction, react
+from visitlab_cli.world.lab import Lab, make_lab, move
 from visitlab_cli.world.robot import acted
-from visitlab_cli.world.scene import Body, Scene, random_body, random_direction, robot_of, scene_of, with_aims
+from visitlab_cli.world.scene import (
+    Body,
+    Scene,
+    first_scene,
+    next_scene,
+    random_body,
+    random_direction,
+    with_aims,
+)
 from visitlab_cli.world.task import BEGIN_TRIAL, OBSERVE, STEP, TRAINING_TRIAL_STEPS
 
 N_STATES = N_LEVELS * N_DISTANCES * N_DIRECTIONS * N_DIRECTIONS
@@ -30,22 +38,23 @@ VISION_SPEED = 2
 class Social(NamedTuple):
     """A square arena, a human, and the probability `direction_change` of a new desired direction a step."""
 
-    grid: Grid
+    lab: Lab
     geometry: Geometry
-    human: Human
+    human: Any  # of a kind that reacts
     trial_steps: int
     direction_change: float
 
 
 def make_social(
-    human: Human,
+    human: Any,
     trial_steps: int = TRAINING_TRIAL_STEPS,
     arena: int = ARENA,
     direction_change: float = DIRECTION_CHANGE,
     distances: Sequence[int] = DISTANCES,
 ) -> Social:
     """The task in an arena of `arena` x `arena` cells, so wide that the human does not reach its borders."""
-    return Social(make_grid(arena, arena), make_geometry(arena, distances), human, trial_steps, direction_change)
+    lab, geometry = make_lab(arena, arena), make_geometry(arena, arena, distances)
+    return Social(lab, geometry, human, trial_steps, direction_change)
 
 
 @kernel
@@ -56,33 +65,31 @@ def social_state(scene: Scene) -> int:
 
 
 @kernel
-def teleported(grid: Grid, scene: Scene, random: RandomState) -> Body:
+def teleported(lab: Lab, scene: Scene, random: RandomState) -> Body:
     """The robot in the human's sight: where a move of speed 2 along the human's heading would end."""
-    row, col = move(grid, scene.human_row, scene.human_col, scene.human_heading, VISION_SPEED)
+    row, col = move(lab, scene.human_row, scene.human_col, scene.human_heading, VISION_SPEED, scene.open_doors)
     return Body(row, col, random_direction(random))
 
 
 @BEGIN_TRIAL.of(Social)
 def begin_trial(task: Social, last: Scene, random: RandomState) -> Scene:
     """The human in the middle; the robot's cell, both headings and the desired direction random."""
-    robot = random_body(task.grid, random)
-    human = Body(task.grid.rows // 2, task.grid.cols // 2, random_direction(random))
+    robot = random_body(task.lab, random)
+    human = Body(task.lab.rows // 2, task.lab.cols // 2, random_direction(random))
     desired = random_direction(random)
-    none, no_action, stay = Engagement.NONE.value, Action.NO_ACTION.value, Action.NO_ACTION.value
-    return scene_of(task.geometry, robot, human, none, no_action, stay, desired, 0)
+    return with_aims(first_scene(task.geometry, last, robot, human), desired, 0)
 
 
 @STEP.of(Social)
 def step(task: Social, scene: Scene, action: int, random: RandomState) -> tuple[Scene, float, float]:
     """A reward of 1 where the following human moved in the desired direction; then that may be redrawn."""
     if action == Action.GO_TO_HUMAN_VISION and scene.engagement == Engagement.NONE:
-        robot = teleported(task.grid, scene, random)
+        robot = teleported(task.lab, scene, random)
     else:
-        robot = acted(task.grid, robot_of(scene), action, scene.angle)
-    human, engagement, human_action = react(task.human, task.grid, task.geometry, scene, action, random)
-    desired = scene.desired_direction
-    after = scene_of(task.geometry, robot, human, engagement, action, human_action, desired, 0)
-    reward = 1.0 if follows_in_direction(after, desired) else 0.0
+        robot = acted(task.lab, scene, action)
+    reaction = react(task.human, task.lab, task.geometry, scene, action, random)
+    after = next_scene(task.geometry, scene, robot, action, reaction)
+    reward = 1.0 if follows_in_direction(after, scene.desired_direction) else 0.0
     if happens(random, task.direction_change):
         after = with_aims(after, random_direction(random), 0)
     return after, reward, reward

@@ -5,49 +5,51 @@ the three modules (`simulation/visit.py`).
 """
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from visitlab_cli.compiled import kernel
 from visitlab_cli.random_numbers import RandomState, random_below
-from visitlab_cli.world.enums import Action, Engagement
 from visitlab_cli.world.geometry import DISTANCES, Geometry, make_geometry
-from visitlab_cli.world.grid import LAB_SIZE, N_ROOMS, Grid, make_grid, room_of
-from visitlab_cli.world.human import Human, react
+from visitlab_cli.world.human import react
+from visitlab_cli.world.lab import Lab, paper_lab
 from visitlab_cli.world.robot import acted
-from visitlab_cli.world.scene import Scene, random_body, random_direction, robot_of, scene_of, with_aims
+from visitlab_cli.world.scene import Scene, first_scene, next_scene, random_body, random_direction, with_aims
 
 
 class VisitWorld(NamedTuple):
     """The lab, the human in it, and the rooms that goals are drawn from, shape (at least 2,)."""
 
-    grid: Grid
+    lab: Lab
     geometry: Geometry
-    human: Human
+    human: Any  # of a kind that reacts
     goal_rooms: npt.NDArray[np.int64]
 
 
 def make_visit_world(
-    human: Human, goal_rooms: Sequence[int] = tuple(range(N_ROOMS)), distances: Sequence[int] = DISTANCES
+    human: Any,
+    goal_rooms: Sequence[int] | None = None,
+    distances: Sequence[int] = DISTANCES,
+    lab: Lab | None = None,
 ) -> VisitWorld:
-    """The lab of 24 x 24 cells with goals among `goal_rooms`."""
-    geometry = make_geometry(LAB_SIZE, distances)
-    return VisitWorld(make_grid(LAB_SIZE, LAB_SIZE), geometry, human, np.array(goal_rooms, np.int64))
+    """A human in `lab`, the paper's unless given, with goals among `goal_rooms`, all unless given."""
+    lab = lab or paper_lab()
+    goals = np.arange(lab.n_rooms) if goal_rooms is None else np.array(goal_rooms, np.int64)
+    return VisitWorld(lab, make_geometry(lab.rows, lab.cols, distances), human, goals)
 
 
 @kernel
 def begin_visit(world: VisitWorld, last: Scene, random: RandomState) -> Scene:
     """All cells and headings random; goal room and desired direction carry over from `last`, or are random."""
-    robot = random_body(world.grid, random)
-    human = random_body(world.grid, random)
+    robot = random_body(world.lab, random)
+    human = random_body(world.lab, random)
     desired, goal_room = last.desired_direction, last.goal_room
     if goal_room < 0:
         desired = random_direction(random)
         goal_room = world.goal_rooms[random_below(random, len(world.goal_rooms))]
-    none, no_action = Engagement.NONE.value, Action.NO_ACTION.value
-    return scene_of(world.geometry, robot, human, none, no_action, no_action, desired, goal_room)
+    return with_aims(first_scene(world.geometry, last, robot, human), desired, goal_room)
 
 
 @kernel
@@ -72,10 +74,9 @@ def step_visit(world: VisitWorld, scene: Scene, action: int, random: RandomState
 
     Then another goal room is drawn; the desired direction is left as it was.
     """
-    robot = acted(world.grid, robot_of(scene), action, scene.angle)
-    human, engagement, human_action = react(world.human, world.grid, world.geometry, scene, action, random)
-    desired, goal_room = scene.desired_direction, scene.goal_room
-    after = scene_of(world.geometry, robot, human, engagement, action, human_action, desired, goal_room)
-    if room_of(human.row, human.col) != goal_room:
+    robot = acted(world.lab, scene, action)
+    reaction = react(world.human, world.lab, world.geometry, scene, action, random)
+    after = next_scene(world.geometry, scene, robot, action, reaction)
+    if world.lab.rooms[after.human_row, after.human_col] != scene.goal_room:
         return after, 0.0
-    return with_aims(after, desired, another_goal(world, goal_room, random)), 1.0
+    return with_aims(after, scene.desired_direction, another_goal(world, scene.goal_room, random)), 1.0
