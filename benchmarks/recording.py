@@ -20,7 +20,8 @@ from mcap_protobuf.writer import Writer
 from visitlab_cli.recording.reader import read_metadata, read_steps
 from visitlab_cli.recording.schema import STEP_NS, STEP_TOPIC, file_descriptor
 from visitlab_cli.recording.writer import StepRecorder
-from visitlab_cli.world.columns import FLOAT, SOCIAL, TASKS, VISIT, StepColumns, columns_of, empty_columns
+from visitlab_cli.world.columns import FLOAT, StepColumns, empty_columns
+from visitlab_cli.world.tasks import SOCIAL, TASK_NAMES, VISIT, columns_of
 
 BLOCK_ROWS = 8192
 STEPS = 40 * BLOCK_ROWS
@@ -103,7 +104,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         for log in logs:
             compare("/".join(log.parts[-4:-2]), read_metadata(log)["task"], logged_steps(log), Path(folder))
-        for task in () if logs else TASKS:
+        for task in () if logs else TASK_NAMES:
             compare(f"{task}, uniform", task, drawn_steps(task), Path(folder))
 
 

@@ -41,9 +41,10 @@ def measure(name, steps):
     from visitlab_cli.simulation.visit import make_visit
     from visitlab_cli.world.columns import empty_columns
     from visitlab_cli.world.go_to_human import make_go_to_human
+    from visitlab_cli.world.lab import paper_lab
     from visitlab_cli.world.navigation import make_navigation
     from visitlab_cli.world.social import make_social
-    from visitlab_cli.world.tasks import TASK_SIZES
+    from visitlab_cli.world.tasks import TASKS
     from visitlab_cli.world.visit import make_visit_world
 
     def run(record, agent, task, steps):
@@ -56,7 +57,7 @@ def measure(name, steps):
 
     def trained(task, record, steps):
         parameters = TypeAdapter(AnyAgent).validate_python({"kind": "model_based"})
-        agent = parameters.create(Setting(task, *TASK_SIZES[task], steps))
+        agent = parameters.create(Setting(task, *TASKS[task].size(paper_lab()), steps))
         run(record, agent, task, steps)
         return parameters.save(agent)
 
@@ -73,13 +74,13 @@ def measure(name, steps):
         parameters = parameters.model_copy(update={"plan_every": 100})
 
         def agent(steps):
-            return parameters.restore(Setting(task, *TASK_SIZES[task], steps), social)
+            return parameters.restore(Setting(task, *TASKS[task].size(paper_lab()), steps), social)
     else:
         makers = {"navigation": make_navigation, "go_to_human": make_go_to_human, "social": lambda: make_social(human)}
         record = makers[task]()
 
         def agent(steps):
-            return parameters.create(Setting(task, *TASK_SIZES[task], steps))
+            return parameters.create(Setting(task, *TASKS[task].size(paper_lab()), steps))
 
     run(record, agent(WARM_UP_STEPS), task, WARM_UP_STEPS)
     return run(record, agent(steps), task, steps)

@@ -8,7 +8,7 @@ from visitlab_cli.execution.cells import plan
 from visitlab_cli.storage.arrays import write_model, write_trials
 from visitlab_cli.storage.cell_folder import MODEL, TRIALS, NewCell
 from visitlab_cli.storage.run_folder import open_run
-from visitlab_cli.world.columns import VISIT
+from visitlab_cli.world.tasks import VISIT
 
 LAB = """
 name: {name}

@@ -16,9 +16,10 @@ from visitlab_cli.random_numbers import random_state
 from visitlab_cli.simulation.loop import START, play
 from visitlab_cli.world.columns import empty_columns
 from visitlab_cli.world.go_to_human import begin_trial, make_go_to_human, step
+from visitlab_cli.world.lab import paper_lab
 from visitlab_cli.world.navigation import make_navigation
 from visitlab_cli.world.scene import NOWHERE
-from visitlab_cli.world.tasks import TASK_SIZES
+from visitlab_cli.world.tasks import TASKS
 
 STEPS, TRIALS, SIDE = 20, 20_000, 24
 
@@ -36,7 +37,7 @@ def assert_close(found, exact):
 
 
 def test_random_navigation():
-    agent = UniformRandom(np.zeros(TASK_SIZES["navigation"]))
+    agent = UniformRandom(np.zeros(TASKS["navigation"].size(paper_lab())))
     assert_close(simulated(make_navigation(STEPS), agent), navigation_random(STEPS))
 
 
@@ -48,7 +49,7 @@ def test_optimal_navigation():
 
 @pytest.mark.parametrize("success", ["facing", "seen"])
 def test_random_go_to_human(success):
-    agent = UniformRandom(np.zeros(TASK_SIZES["go_to_human"]))
+    agent = UniformRandom(np.zeros(TASKS["go_to_human"].size(paper_lab())))
     assert_close(simulated(make_go_to_human(STEPS, success), agent), go_to_human_random(STEPS, success))
 
 

@@ -24,7 +24,7 @@ FIRST: dict[str, dict[str, Any]] = {
         "name": MUST, "seed": 0, "seeds": 1, "humans": {}, "agents": MUST, "experiments": MUST,
         "interaction": {"distances": [1, 2, 4, 5]}, "record": {"steps": "every"}, "vary": {}, "expected": {},
     },
-    "Human": {"p_S": MUST, "p_H": 0.0, "p_M": 0.0, "p_O": 0.0, "p_A": 0.0, "p_P": 0.0},
+    "SixParameters": {"p_S": MUST, "p_H": 0.0, "p_M": 0.0, "p_O": 0.0, "p_A": 0.0, "p_P": 0.0},
     "QLearningParameters": {"kind": MUST, "gamma": 0.9, "epsilon": 0.05, "alpha": 0.5},
     "ModelBasedParameters": {
         "kind": MUST, "gamma": 0.9, "epsilon": 0.05, "plan_every": 1000, "unvisited": "uniform",
@@ -143,14 +143,14 @@ class NewHuman(SixParameters):
 NEW = {"p_N": 0.5, "rooms": [1], "words": ["a"], "near": {"distances": [1, 2, 4, 6]}}
 
 
-def lab_with(human: dict[str, Any], model: type[Human]) -> Config:
+def lab_with(human: dict[str, Any], model: type[SixParameters]) -> Config:
     config = load(TINY)
     humans = {**config.humans, "slow": model(p_S=(1, 0, 0), p_M=0.1, p_O=0.1, **human)}
     return config.model_copy(update={"humans": humans})
 
 
 def test_a_setting_that_came_later_is_in_the_hash_only_where_it_is_not_at_its_default() -> None:
-    before, with_new = lab_with({}, Human), partial(lab_with, model=NewHuman)
+    before, with_new = lab_with({}, SixParameters), partial(lab_with, model=NewHuman)
     at_defaults = {"p_N": 0.0, "rooms": [], "words": {"b", "a"}, "near": {}}
     assert config_hash(with_new({})) == config_hash(with_new(at_defaults)) == config_hash(before)
     assert len({config_hash(before), *(config_hash(with_new({key: value})) for key, value in NEW.items())}) == 5

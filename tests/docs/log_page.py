@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from visitlab_cli.recording.schema import TRIAL_COLUMNS, proto_text
-from visitlab_cli.world.columns import COLUMNS, TASKS
+from visitlab_cli.recording.schema import TRIAL_COLUMNS, proto_text, tasks_in_words
+from visitlab_cli.world.columns import COLUMNS
 
 TEMPLATE = Path(__file__).with_name("log.template.md").read_text(encoding="utf-8")
 
@@ -23,7 +23,7 @@ def fields(columns):
     lines = ["| field | type | tasks | meaning |", "|---|---|---|---|"]
     for column in columns:
         kind = column.enum.__name__ if column.enum else column.kind
-        tasks = "all" if column.tasks == TASKS else ", ".join(column.tasks)
+        tasks = tasks_in_words(column)
         lines.append(f"| `{column.name}` | {kind} | {tasks} | {column.meaning} |")
     return "\n".join(lines) + "\n"
 

@@ -9,7 +9,8 @@ from google.protobuf.message_factory import GetMessageClass
 
 from visitlab_cli.recording.schema import file_descriptor
 from visitlab_cli.recording.writer import StepRecorder
-from visitlab_cli.world.columns import COLUMNS, FIXED32, FLOAT, StepColumns, columns_of, empty_columns
+from visitlab_cli.world.columns import COLUMNS, FIXED32, FLOAT, StepColumns, empty_columns
+from visitlab_cli.world.tasks import columns_of
 
 ATTRIBUTES = {"version": "0.1.0", "cell": "visit/human_2/seed-0000", "seed": "0"}
 CONFIG = b"name: example\n"

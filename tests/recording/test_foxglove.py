@@ -13,8 +13,8 @@ from visitlab_cli.recording.foxglove import write_foxglove
 from visitlab_cli.recording.foxglove_scene import Look, ShownTrial
 from visitlab_cli.recording.foxglove_schema import file_descriptor
 from visitlab_cli.recording.reader import Columns
-from visitlab_cli.world.columns import columns_of
 from visitlab_cli.world.enums import Direction
+from visitlab_cli.world.tasks import columns_of
 
 from .blocks import random_steps
 

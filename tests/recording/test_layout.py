@@ -8,7 +8,8 @@ from hypothesis import strategies as st
 
 from visitlab_cli.recording.layout import layout_of
 from visitlab_cli.recording.schema import FIXED64, STEP, TABLES, TRIAL
-from visitlab_cli.world.columns import BOOL, ENUM, FIXED32, FLOAT, TASKS, UINT32
+from visitlab_cli.world.columns import BOOL, ENUM, FIXED32, FLOAT, UINT32
+from visitlab_cli.world.tasks import TASK_NAMES, tasks_with
 
 from .blocks import message_class
 
@@ -23,11 +24,11 @@ VALUES = {
 ENVELOPE = struct.Struct("<BQHIQQ")  # opcode, length, channel, sequence, log time, publish time
 
 
-@pytest.mark.parametrize("task", TASKS)
+@pytest.mark.parametrize("task", TASK_NAMES)
 @pytest.mark.parametrize("message", [STEP, TRIAL])
 def test_a_record_holds_what_the_protobuf_library_serialises(message, task):
     library, layout = message_class(message), layout_of(message, task)
-    columns = [column for column in TABLES[message] if task in column.tasks]
+    columns = [column for column in TABLES[message] if task in tasks_with(column.part)]
 
     @settings(max_examples=150, deadline=None)
     @given(st.fixed_dictionaries({column.name: VALUES[column.kind] for column in columns}))

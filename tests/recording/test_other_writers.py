@@ -16,7 +16,7 @@ from visitlab_cli.errors import NotFoundError, RunError
 from visitlab_cli.recording.reader import iter_steps, read_metadata, read_steps, read_trial, trials
 from visitlab_cli.recording.recovery import recover
 from visitlab_cli.recording.schema import file_descriptor
-from visitlab_cli.world.columns import TASKS, columns_of
+from visitlab_cli.world.tasks import TASK_NAMES, columns_of
 
 from .blocks import ATTRIBUTES, message_class, random_steps, record
 
@@ -104,7 +104,7 @@ def check(path, steps, task, missing=()):
     assert table["reward"].tolist() == steps.reward.reshape(TRIALS, -1).sum(axis=1).tolist()
 
 
-@pytest.mark.parametrize("task", TASKS)
+@pytest.mark.parametrize("task", TASK_NAMES)
 @pytest.mark.parametrize("with_trials", [False, True])
 def test_the_task_is_seen_in_the_fields_where_no_metadata_tells(tmp_path, steps, task, with_trials):
     path = write(tmp_path / "a.mcap", steps, task, with_trials=with_trials)

@@ -10,7 +10,7 @@ from visitlab_cli.errors import NotFoundError, RunError, UsageError
 from visitlab_cli.recording import log, writer
 from visitlab_cli.recording.reader import iter_steps, read_metadata, read_steps, read_trial, trials
 from visitlab_cli.recording.writer import CHUNK_STEPS
-from visitlab_cli.world.columns import TASKS, columns_of
+from visitlab_cli.world.tasks import TASK_NAMES, columns_of
 
 from .blocks import ATTRIBUTES, random_steps, record
 
@@ -22,7 +22,7 @@ def steps():
     return random_steps(TRIALS, TRIAL_STEPS)
 
 
-@pytest.mark.parametrize("task", TASKS)
+@pytest.mark.parametrize("task", TASK_NAMES)
 def test_read_steps_gives_what_was_written(tmp_path, steps, task):
     columns, rows = steps
     found = read_steps(record(tmp_path / "a.mcap", task, columns, rows))

@@ -12,7 +12,8 @@ from mcap_protobuf.decoder import DecoderFactory
 
 from visitlab_cli.errors import RunError
 from visitlab_cli.recording.writer import CHUNK_STEPS, StepRecorder
-from visitlab_cli.world.columns import TASKS, columns_of, empty_columns
+from visitlab_cli.world.columns import empty_columns
+from visitlab_cli.world.tasks import TASK_NAMES, columns_of
 
 from .blocks import (
     ATTRIBUTES,
@@ -26,7 +27,7 @@ from .blocks import (
 SECOND = 10**9
 
 
-@pytest.mark.parametrize("task", TASKS)
+@pytest.mark.parametrize("task", TASK_NAMES)
 def test_the_stock_reader_gives_the_bytes_of_the_protobuf_library(tmp_path, task):
     columns, rows = random_steps(trials=100, trial_steps=100)
     step = message_class("Step")
@@ -40,7 +41,7 @@ def test_the_stock_reader_gives_the_bytes_of_the_protobuf_library(tmp_path, task
 
 
 @pytest.mark.parametrize("reader", [make_reader, NonSeekingReader])
-@pytest.mark.parametrize("task", TASKS)
+@pytest.mark.parametrize("task", TASK_NAMES)
 def test_stock_readers_decode_the_steps_with_crcs_validated(tmp_path, task, reader):
     columns, rows = random_steps(trials=450, trial_steps=20)
     names = {column.name for column in columns_of(task)}

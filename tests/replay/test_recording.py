@@ -13,7 +13,8 @@ from visitlab_cli.replay.recording import record
 from visitlab_cli.replay.trial import load_trial
 from visitlab_cli.storage.arrays import read_model
 from visitlab_cli.story import GESTURES, LEVEL_NAMES, captions, moments, option_name
-from visitlab_cli.world.columns import TASKS, WITH_GOAL, WITH_HUMAN
+from visitlab_cli.world import columns as parts
+from visitlab_cli.world.tasks import TASK_NAMES, tasks_with
 
 SCENE = {"/lab/floor", "/lab/walls", "/robot/body", "/robot/heading", "/robot/place", "/captions", "/now", "/reward"}
 GOAL = {"/lab/goal", "/lab/flag", "/goal"}
@@ -26,7 +27,7 @@ ENTITIES = {
 }
 
 
-@pytest.fixture(scope="session", params=TASKS)
+@pytest.fixture(scope="session", params=TASK_NAMES)
 def recorded(request, trial_of, tmp_path_factory):
     """A trial of each task, its .rrd, and the columns in it by entity and component."""
     trial = trial_of(request.param)
@@ -106,7 +107,7 @@ def test_words_and_curves(recorded):
     assert all(f"Step {step}: " in page[0] for step, page in enumerate(columns["/now", "TextDocument:text"]))
 
 
-@pytest.mark.parametrize("recorded", WITH_HUMAN, indirect=True)
+@pytest.mark.parametrize("recorded", tasks_with(parts.HUMAN), indirect=True)
 def test_levels_and_distance(recorded):
     trial, _, columns = recorded
     steps = {name: values.astype(int) for name, values in trial.steps.items()}
@@ -116,7 +117,7 @@ def test_levels_and_distance(recorded):
     np.testing.assert_array_equal(np.ravel(columns["/distance/cells", "Scalars:scalars"]), np.maximum(*apart))
 
 
-@pytest.mark.parametrize("recorded", WITH_GOAL, indirect=True)
+@pytest.mark.parametrize("recorded", tasks_with(parts.GOAL), indirect=True)
 def test_the_goal_room_is_coloured(recorded):
     trial, _, columns = recorded
     for buffer, goal in zip(columns["/lab/goal", "SegmentationImage:buffer"], trial.steps["goal_room"], strict=True):
@@ -127,7 +128,7 @@ def test_the_goal_room_is_coloured(recorded):
         assert (cells == 1).sum() == 64
 
 
-@pytest.mark.parametrize("recorded", WITH_HUMAN, indirect=True)
+@pytest.mark.parametrize("recorded", tasks_with(parts.HUMAN), indirect=True)
 def test_the_fields_agree_with_the_logged_levels(recorded):
     trial, _, columns = recorded
     kinds = {"near": {1, 2, 3}, "elsewhere": {0, 4}}

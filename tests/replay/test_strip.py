@@ -7,7 +7,7 @@ import pytest
 from visitlab_cli.errors import RunError, UsageError
 from visitlab_cli.replay.strip import draw_strip, save_strip
 from visitlab_cli.story import LEVEL_NAMES, direction_name, moments, strip_steps
-from visitlab_cli.world.columns import TASKS
+from visitlab_cli.world.tasks import TASK_NAMES
 
 BEGINNINGS = {".png": b"\x89PNG", ".svg": b"<?xml", ".pdf": b"%PDF"}
 
@@ -22,7 +22,7 @@ def test_formats_and_bytes(trial_of, tmp_path, ending):
     assert files[0].read_bytes() == files[1].read_bytes()
 
 
-@pytest.mark.parametrize("task", TASKS)
+@pytest.mark.parametrize("task", TASK_NAMES)
 def test_a_panel_for_each_moment(trial_of, task):
     pytest.importorskip("matplotlib")
     trial = trial_of(task)

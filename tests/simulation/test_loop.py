@@ -11,7 +11,8 @@ from visitlab_cli.agents.model_based import ModelBasedParameters
 from visitlab_cli.random_numbers import random_state
 from visitlab_cli.simulation.loop import START, play
 from visitlab_cli.world.columns import empty_columns
-from visitlab_cli.world.tasks import TASK_SIZES
+from visitlab_cli.world.lab import paper_lab
+from visitlab_cli.world.tasks import TASKS
 
 STEPS = 3000
 PARAMETERS = ModelBasedParameters(kind="model_based", plan_every=200)
@@ -20,7 +21,7 @@ PARAMETERS = ModelBasedParameters(kind="model_based", plan_every=200)
 def played(task, block_rows, pause_at=None):
     """Everything that a cell leaves: rows, rewards, the agent's arrays and the random state."""
     record, random = make_task(task), random_state(5, task)
-    agent = PARAMETERS.create(Setting(task, *TASK_SIZES[task], STEPS))
+    agent = PARAMETERS.create(Setting(task, *TASKS[task].size(paper_lab()), STEPS))
     cursor, rewards, rows = START, np.zeros(STEPS // record.trial_steps), []
     columns = empty_columns(block_rows)
     while cursor.steps < STEPS:

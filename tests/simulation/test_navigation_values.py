@@ -10,9 +10,10 @@ from visitlab_cli.agents.base import Setting, learn
 from visitlab_cli.agents.model_based import ModelBasedParameters
 from visitlab_cli.compiled import kernel
 from visitlab_cli.random_numbers import random_state
+from visitlab_cli.world.lab import paper_lab
 from visitlab_cli.world.scene import NOWHERE, Body, acted_scene, with_aims
 from visitlab_cli.world.task import observe, step
-from visitlab_cli.world.tasks import TASK_SIZES
+from visitlab_cli.world.tasks import TASKS
 
 SIDE, ACTIONS, GAMMA = 24, 25, 0.9
 CELLS = SIDE * SIDE
@@ -71,7 +72,7 @@ def repeat_one(agent, times, random):
 
 
 def test_value_iteration_reaches_the_exact_values():
-    size = TASK_SIZES["navigation"]
+    size = TASKS["navigation"].size(paper_lab())
     parameters = ModelBasedParameters(kind="model_based", gamma=GAMMA, plan_every=1)
     pairs = size.n_states * size.n_actions
     agent = parameters.create(Setting("navigation", *size, pairs + 300))._replace(plan_every=pairs + 1)

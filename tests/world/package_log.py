@@ -47,9 +47,10 @@ def make_agent(task):
     from visitlab_cli.agents.base import Setting
     from visitlab_cli.agents.q_learning import QLearning
     from visitlab_cli.agents.scripted import ScriptedParameters
-    from visitlab_cli.world.tasks import TASK_SIZES
+    from visitlab_cli.world.lab import paper_lab
+    from visitlab_cli.world.tasks import TASKS
 
-    size = TASK_SIZES[task]
+    size = TASKS[task].size(paper_lab())
     q = np.zeros(size)
     if task in ("social", "visit"):
         q = ScriptedParameters(kind="scripted").create(Setting(task, *size, 1)).q
@@ -62,7 +63,8 @@ def package_log(task, steps, seed=0, **options):
     """The columns of a log by name; `options` as `make_task` takes them."""
     from visitlab_cli.random_numbers import random_state
     from visitlab_cli.simulation.loop import START, play
-    from visitlab_cli.world.columns import columns_of, empty_columns
+    from visitlab_cli.world.columns import empty_columns
+    from visitlab_cli.world.tasks import columns_of
 
     record, agent = make_task(task, **options), make_agent(task)
     trials = steps // TRIAL_STEPS[task]

@@ -13,7 +13,7 @@ from pydantic import Field
 
 from visitlab_cli.compiled import Operation
 from visitlab_cli.settings import Settings
-from visitlab_cli.world.columns import TASKS
+from visitlab_cli.world.tasks import TASK_NAMES
 
 Saved = dict[str, npt.NDArray[Any]]
 """An agent's arrays by name, as `model.npz` keeps them."""
@@ -29,7 +29,7 @@ class AgentParameters(Settings):
     plans: ClassVar[bool] = False
     """Whether it sweeps a learned model, so that planning options mean something."""
 
-    tasks: ClassVar[tuple[str, ...]] = TASKS
+    tasks: ClassVar[tuple[str, ...]] = TASK_NAMES
     """The tasks that it can play."""
 
     microseconds_a_step: ClassVar[Mapping[str, float]] = {}

@@ -27,7 +27,7 @@ from visitlab_cli.agents.sparse_model import (
     sweep,
 )
 from visitlab_cli.random_numbers import RandomState
-from visitlab_cli.world.columns import GO_TO_HUMAN, NAVIGATION, SOCIAL, VISIT
+from visitlab_cli.world.tasks import GO_TO_HUMAN, NAVIGATION, SOCIAL, VISIT
 
 
 class ModelBased(NamedTuple):

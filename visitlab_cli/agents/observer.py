@@ -10,7 +10,7 @@ from visitlab_cli.agents.base import choose as choose_of
 from visitlab_cli.agents.base import learn as learn_of
 from visitlab_cli.agents.q_learning import QLearning, QLearningParameters
 from visitlab_cli.random_numbers import RandomState
-from visitlab_cli.world.columns import GO_TO_HUMAN, NAVIGATION, SOCIAL, VISIT
+from visitlab_cli.world.tasks import GO_TO_HUMAN, NAVIGATION, SOCIAL, VISIT
 
 
 class Observer(NamedTuple):

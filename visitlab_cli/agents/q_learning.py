@@ -10,7 +10,7 @@ from visitlab_cli.agents.base import CHOOSE, EPSILON, GAMMA, LEARN, AgentParamet
 from visitlab_cli.agents.exploration import Table, epsilon_greedy, maximum
 from visitlab_cli.agents.sparse_model import Counts
 from visitlab_cli.random_numbers import RandomState
-from visitlab_cli.world.columns import GO_TO_HUMAN, NAVIGATION, SOCIAL, VISIT
+from visitlab_cli.world.tasks import GO_TO_HUMAN, NAVIGATION, SOCIAL, VISIT
 
 
 class QLearning(NamedTuple):

@@ -17,7 +17,7 @@ from visitlab_cli.agents.sparse_model import (
     sweep,
 )
 from visitlab_cli.random_numbers import RandomState
-from visitlab_cli.world.columns import GO_TO_HUMAN, NAVIGATION, SOCIAL, VISIT
+from visitlab_cli.world.tasks import GO_TO_HUMAN, NAVIGATION, SOCIAL, VISIT
 
 M_IN_NAVIGATION, M_ELSEWHERE = 1, 5  # paper, section 4.2
 

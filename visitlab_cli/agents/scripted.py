@@ -12,7 +12,6 @@ import numpy as np
 
 from visitlab_cli.agents.base import AgentParameters, Saved, Setting, zeros
 from visitlab_cli.agents.greedy_table import GreedyTable
-from visitlab_cli.world.columns import SOCIAL, VISIT
 from visitlab_cli.world.enums import (
     N_DIRECTIONS,
     N_DISTANCES,
@@ -23,6 +22,7 @@ from visitlab_cli.world.enums import (
 )
 from visitlab_cli.world.geometry import CLOSEST_APPROPRIATE, DISTANCES, FARTHEST_APPROPRIATE
 from visitlab_cli.world.lab import COL_STEPS, ROW_STEPS
+from visitlab_cli.world.tasks import SOCIAL, VISIT
 
 CELLS_OF_DISTANCE = (0, 2, 3, 5, 7)  # what a category stands for when looking ahead
 LEADING_DISTANCE = 3  # cells

@@ -6,7 +6,7 @@ from typing import ClassVar, Literal, NamedTuple
 from visitlab_cli.agents.base import CHOOSE, LEARN, AgentParameters, Saved, Setting, zeros
 from visitlab_cli.agents.exploration import Table
 from visitlab_cli.random_numbers import RandomState, random_below
-from visitlab_cli.world.columns import GO_TO_HUMAN, NAVIGATION, SOCIAL, VISIT
+from visitlab_cli.world.tasks import GO_TO_HUMAN, NAVIGATION, SOCIAL, VISIT
 
 
 class UniformRandom(NamedTuple):

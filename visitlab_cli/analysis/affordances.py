@@ -16,7 +16,7 @@ from visitlab_cli.execution.cells import Cell
 from visitlab_cli.execution.selection import Selection
 from visitlab_cli.storage.arrays import Arrays, read_model
 from visitlab_cli.storage.cell_folder import MODEL, read_cell
-from visitlab_cli.world.columns import SOCIAL
+from visitlab_cli.world.tasks import SOCIAL
 
 Table = npt.NDArray[np.float64]
 

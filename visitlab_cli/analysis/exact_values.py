@@ -10,9 +10,9 @@ from visitlab_cli.analysis.exact_navigation import (
     navigation_random_discounted,
 )
 from visitlab_cli.config.experiments import Experiment, GoToHumanTraining, NavigationTraining
-from visitlab_cli.world.columns import GO_TO_HUMAN, NAVIGATION
 from visitlab_cli.world.geometry import DISTANCES
 from visitlab_cli.world.task import TRAINING_TRIAL_STEPS
+from visitlab_cli.world.tasks import GO_TO_HUMAN, NAVIGATION
 
 
 class Possible(NamedTuple):

@@ -12,7 +12,7 @@ from visitlab_cli.errors import ConfigError
 from visitlab_cli.execution.cells import Cell
 from visitlab_cli.storage.arrays import read_trials
 from visitlab_cli.storage.cell_folder import TRIALS, read_cell
-from visitlab_cli.world.columns import VISIT
+from visitlab_cli.world.tasks import VISIT
 
 
 @dataclass(frozen=True)

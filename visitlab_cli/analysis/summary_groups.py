@@ -13,7 +13,7 @@ from visitlab_cli.execution.cells import Cell
 from visitlab_cli.execution.evaluation import Evaluation
 from visitlab_cli.storage.arrays import read_trials
 from visitlab_cli.storage.cell_folder import TRIALS, read_cell
-from visitlab_cli.world.columns import VISIT
+from visitlab_cli.world.tasks import VISIT
 
 Point = tuple[tuple[str, str], ...]
 """The values of a point of the grid by their paths, as far as they matter to a cell, in words."""

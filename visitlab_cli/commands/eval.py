@@ -48,7 +48,7 @@ def command(
     from visitlab_cli.execution.cells import plan
     from visitlab_cli.execution.evaluation import Evaluation
     from visitlab_cli.storage.run_folder import find_run, read_config
-    from visitlab_cli.world.columns import VISIT
+    from visitlab_cli.world.tasks import VISIT
 
     check_options(matrix=matrix, frozen=frozen, picture=picture)
     folder = find_run(run, out)
@@ -84,7 +84,7 @@ def _check_trained(folder: Path, config: "Config", cells: "Sequence[Cell]") -> N
     from visitlab_cli.execution.runner import missing_cells
     from visitlab_cli.storage.cell_folder import read_cell
     from visitlab_cli.storage.run_folder import CONFIG
-    from visitlab_cli.world.columns import VISIT
+    from visitlab_cli.world.tasks import VISIT
 
     needed = {path for cell in missing_cells(folder, cells) for path in cell.modules.values()}
     untrained = missing_cells(folder, [c for c in plan(config) if c.task != VISIT and c.path in needed])

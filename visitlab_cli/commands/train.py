@@ -41,6 +41,6 @@ def command(
 
 def _trainings(config: "AnyConfig") -> "list[Cell]":
     from visitlab_cli.execution.cells import plan
-    from visitlab_cli.world.columns import VISIT
+    from visitlab_cli.world.tasks import VISIT
 
     return [cell for cell in plan(config) if cell.task != VISIT]

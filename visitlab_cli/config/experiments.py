@@ -7,10 +7,10 @@ from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo, Wit
 from visitlab_cli.config.names import ModuleName, Name
 from visitlab_cli.humans.base import Probability
 from visitlab_cli.settings import Settings
-from visitlab_cli.world.columns import GO_TO_HUMAN, NAVIGATION, SOCIAL
 from visitlab_cli.world.lab import N_ROOMS
 from visitlab_cli.world.social import ARENA, DIRECTION_CHANGE
 from visitlab_cli.world.task import TRAINING_TRIAL_STEPS, VISIT_TRIAL_STEPS
+from visitlab_cli.world.tasks import GO_TO_HUMAN, NAVIGATION, SOCIAL
 
 MOST_STEPS = 10**12
 

@@ -9,7 +9,7 @@ from visitlab_cli.config.names import module
 from visitlab_cli.config.problems import Issue, Path, or_else, printable
 from visitlab_cli.humans.base import HumanParameters
 from visitlab_cli.settings import key_of
-from visitlab_cli.world.columns import SOCIAL, VISIT
+from visitlab_cli.world.tasks import SOCIAL, VISIT
 
 
 class Declared(NamedTuple):

@@ -13,11 +13,11 @@ from visitlab_cli.config.experiments import GoToHumanTraining, NavigationTrainin
 from visitlab_cli.errors import RunError
 from visitlab_cli.execution.cells import Cell
 from visitlab_cli.simulation.visit import make_visit
-from visitlab_cli.world.columns import GO_TO_HUMAN, NAVIGATION, SOCIAL
 from visitlab_cli.world.go_to_human import make_go_to_human
+from visitlab_cli.world.lab import paper_lab
 from visitlab_cli.world.navigation import make_navigation
 from visitlab_cli.world.social import make_social
-from visitlab_cli.world.tasks import TASK_SIZES
+from visitlab_cli.world.tasks import GO_TO_HUMAN, NAVIGATION, SOCIAL, TASKS
 from visitlab_cli.world.visit import make_visit_world
 
 
@@ -73,13 +73,13 @@ def _human(cell: Cell) -> Any:
 
 
 def _setting(cell: Cell, steps: int) -> Setting:
-    size = TASK_SIZES[cell.task]
+    size = TASKS[cell.task].size(paper_lab())
     return Setting(cell.task, size.n_states, size.n_actions, steps, cell.config.agents)
 
 
 def _check_tables(cell: Cell, models: Mapping[str, Saved]) -> None:
     for module in cell.modules:
-        shape, expected = models[module]["q"].shape, tuple(TASK_SIZES[module])
+        shape, expected = models[module]["q"].shape, tuple(TASKS[module].size(paper_lab()))
         if shape != expected:
             raise RunError(f"{cell.path}: the {module} model has a table of {shape}, not {expected}")
 

@@ -22,7 +22,8 @@ from visitlab_cli.simulation.loop import BLOCK_ROWS, START, play
 from visitlab_cli.sources import sources
 from visitlab_cli.storage.arrays import read_model, write_model, write_trials
 from visitlab_cli.storage.cell_folder import MODEL, SOURCES, STEPS, TRIALS, NewCell
-from visitlab_cli.world.columns import VISIT, StepColumns, empty_columns
+from visitlab_cli.world.columns import StepColumns, empty_columns
+from visitlab_cli.world.tasks import VISIT
 
 Report = Callable[[int], None]
 """Told after each block how many steps of the cell are done; raises `Interrupted` to stop it."""

@@ -11,7 +11,7 @@ from visitlab_cli.config.grid import variants
 from visitlab_cli.config.model import Config
 from visitlab_cli.config.names import Module, module
 from visitlab_cli.execution.evaluation import AS_DECLARED, Evaluation
-from visitlab_cli.world.columns import GO_TO_HUMAN, NAVIGATION, SOCIAL
+from visitlab_cli.world.tasks import GO_TO_HUMAN, NAVIGATION, SOCIAL
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from visitlab_cli.agents.registry import AnyAgent
 from visitlab_cli.agents.uniform_random import RandomParameters
 from visitlab_cli.config.experiments import Visit
 from visitlab_cli.execution.cells import Cell
-from visitlab_cli.world.columns import GO_TO_HUMAN, NAVIGATION, SOCIAL, VISIT
+from visitlab_cli.world.tasks import GO_TO_HUMAN, NAVIGATION, SOCIAL, VISIT
 
 LOG_BYTES_A_STEP = {NAVIGATION: 38.0, GO_TO_HUMAN: 38.0, SOCIAL: 43.0, VISIT: 42.0}
 """A recorded step in `steps.mcap`."""

@@ -16,8 +16,9 @@ from visitlab_cli.execution.cells import Cell
 from visitlab_cli.kernel_cache import VARIABLE, KernelCache
 from visitlab_cli.random_numbers import random_state
 from visitlab_cli.stopping import check_asked, nothing_to_lose
-from visitlab_cli.world.columns import GO_TO_HUMAN, NAVIGATION, SOCIAL, VISIT, StepColumns
-from visitlab_cli.world.tasks import TASK_SIZES
+from visitlab_cli.world.columns import StepColumns
+from visitlab_cli.world.lab import paper_lab
+from visitlab_cli.world.tasks import GO_TO_HUMAN, NAVIGATION, SOCIAL, TASKS, VISIT
 
 COMPILED = "compiled-"
 _compiled_here: set[str] = set()
@@ -87,8 +88,10 @@ def _one_step(cell: Cell) -> Simulation:
 
 def _empty_models(cell: Cell) -> dict[str, Saved]:
     """Models of the right types and sizes that have learned nothing."""
-    size = TASK_SIZES[SOCIAL]
+    size = TASKS[SOCIAL].size(paper_lab())
     parameters: AgentParameters = cell.config.agents[cell.agent]
     social = parameters.save(parameters.create(Setting(SOCIAL, *size, 1, cell.config.agents)))
-    tables: dict[str, Saved] = {module: {"q": np.zeros(TASK_SIZES[module])} for module in (NAVIGATION, GO_TO_HUMAN)}
+    tables: dict[str, Saved] = {
+        module: {"q": np.zeros(TASKS[module].size(paper_lab()))} for module in (NAVIGATION, GO_TO_HUMAN)
+    }
     return {**tables, SOCIAL: social}

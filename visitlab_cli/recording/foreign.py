@@ -17,7 +17,7 @@ from mcap.well_known import MessageEncoding, SchemaEncoding
 from visitlab_cli.recording.layout import Layout, Records
 from visitlab_cli.recording.schema import STEP, STEP_TOPIC, TRIAL, TRIAL_TOPIC, message_descriptor
 from visitlab_cli.recording.source import PARSE_ERRORS, DamagedError
-from visitlab_cli.world.columns import GO_TO_HUMAN, NAVIGATION, SOCIAL, VISIT, columns_of
+from visitlab_cli.world.tasks import GO_TO_HUMAN, NAVIGATION, SOCIAL, VISIT, columns_of
 
 TOPICS = {STEP_TOPIC: STEP, TRIAL_TOPIC: TRIAL}
 

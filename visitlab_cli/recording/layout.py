@@ -14,6 +14,7 @@ from google.protobuf.descriptor_pb2 import FieldDescriptorProto
 from mcap.opcode import Opcode
 
 from visitlab_cli.recording.schema import STEP, TABLES, TRIAL, message_descriptor
+from visitlab_cli.world.tasks import TASKS
 
 Records = npt.NDArray[np.void]
 
@@ -63,7 +64,7 @@ class Layout:
 @cache
 def layout_of(message: str, task: str) -> Layout:
     """The layout of the message `STEP` or `TRIAL` in the log of a `task`."""
-    names = {column.name for column in TABLES[message] if task in column.tasks}
+    names = {column.name for column in TABLES[message] if column.part in TASKS[task].parts}
     fields = [field for field in message_descriptor(message).field if field.name in names]
     columns = [*_ENVELOPE, *_HEADER]
     constants = {"opcode": int(Opcode.MESSAGE), "channel": CHANNELS[message]}

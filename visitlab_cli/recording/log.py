@@ -37,7 +37,7 @@ from visitlab_cli.recording.source import (
     has_data_crc,
     walk,
 )
-from visitlab_cli.world.columns import TASKS
+from visitlab_cli.world.tasks import TASK_NAMES
 
 RUN_OF_MESSAGES = 1 << 20
 """About how many bytes of messages outside of chunks are read at a time."""
@@ -137,7 +137,7 @@ class Log:
             self.chunks.append(place)
 
     def _checked(self, attributes: dict[str, str]) -> dict[str, str]:
-        if attributes.get(TASK) not in TASKS:
+        if attributes.get(TASK) not in TASK_NAMES:
             raise DamagedError("its metadata names no task")
         return attributes
 

@@ -31,7 +31,7 @@ from visitlab_cli.recording.source import (
     walk,
 )
 from visitlab_cli.recording.whole_records import whole_records
-from visitlab_cli.world.columns import TASKS
+from visitlab_cli.world.tasks import TASK_NAMES
 
 _MESSAGE_HEAD = struct.Struct("<HIQ")  # channel, sequence, log time
 _FOOTER_SIZE = PREFIX.size + struct.calcsize("<QQI")
@@ -91,7 +91,7 @@ class Salvage:
         elif isinstance(record, Attachment):
             self._target.copy_attachment(record)
         elif isinstance(record, Metadata):
-            if record.name == METADATA_NAME and record.metadata.get(TASK) not in TASKS:
+            if record.name == METADATA_NAME and record.metadata.get(TASK) not in TASK_NAMES:
                 raise DamagedError("names no task")
             self._target.write_metadata(record.name, record.metadata)
 

@@ -16,17 +16,8 @@ from google.protobuf.descriptor_pb2 import (
     FileDescriptorSet,
 )
 
-from visitlab_cli.world.columns import (
-    BOOL,
-    COLUMNS,
-    ENUM,
-    FIXED32,
-    FLOAT,
-    TASKS,
-    UINT32,
-    VISIT,
-    Column,
-)
+from visitlab_cli.world.columns import ALWAYS, BOOL, COLUMNS, ENUM, FIXED32, FLOAT, MODULES, UINT32, Column
+from visitlab_cli.world.tasks import TASK_NAMES, tasks_with
 
 FORMAT = "1"
 METADATA_NAME = "visitlab"
@@ -40,11 +31,11 @@ STEP_TOPIC, TRIAL_TOPIC = "/step", "/trial"
 
 FIXED64 = "fixed64"
 TRIAL_COLUMNS = (
-    Column(FIXED32, TASKS, "number of the trial, from 0", name="trial"),
-    Column(FIXED64, TASKS, "log time of its step 0, in ns", name="first_step_time"),
-    Column(FLOAT, TASKS, "sum of the task's rewards", name="reward"),
-    Column(FIXED32, TASKS, "number of its steps, step 0 not counted", name="steps"),
-    Column(FIXED32, (VISIT,), "goals that the human reached", name="goals"),
+    Column(FIXED32, ALWAYS, "number of the trial, from 0", name="trial"),
+    Column(FIXED64, ALWAYS, "log time of its step 0, in ns", name="first_step_time"),
+    Column(FLOAT, ALWAYS, "sum of the task's rewards", name="reward"),
+    Column(FIXED32, ALWAYS, "number of its steps, step 0 not counted", name="steps"),
+    Column(FIXED32, MODULES, "goals that the human reached", name="goals"),
 )
 TABLES = {STEP: COLUMNS, TRIAL: TRIAL_COLUMNS}
 
@@ -97,7 +88,7 @@ def proto_text() -> str:
     for message, columns in TABLES.items():
         lines = [
             f"  optional {column.enum.__name__ if column.enum else column.kind} {column.name} = {number};"
-            f"  // {column.meaning} ({'all' if column.tasks == TASKS else ', '.join(column.tasks)})"
+            f"  // {column.meaning} ({tasks_in_words(column)})"
             for number, column in enumerate(columns, 1)
         ]
         blocks.append("\n".join([f"message {message} {{", *lines, "}"]))
@@ -105,6 +96,12 @@ def proto_text() -> str:
         values = [f"  {value.name} = {value};" for value in enum]
         blocks.append("\n".join([f"enum {enum.__name__} {{", *values, "}"]))
     return "\n\n".join(blocks) + "\n"
+
+
+def tasks_in_words(column: Column) -> str:
+    """Which tasks have a column: `all`, or their names."""
+    tasks = tasks_with(column.part)
+    return "all" if tasks == TASK_NAMES else ", ".join(tasks)
 
 
 def _enums() -> Iterator[type[IntEnum]]:

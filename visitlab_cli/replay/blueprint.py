@@ -8,8 +8,8 @@ from visitlab_cli.replay.curves import ACTION, GOAL_LANE, LANES, LEVEL
 from visitlab_cli.replay.stage import TIMELINE
 from visitlab_cli.replay.trial import Trial
 from visitlab_cli.story import FLOOR, moments, strip_steps
-from visitlab_cli.world.columns import VISIT
 from visitlab_cli.world.lab import LAB_SIZE
+from visitlab_cli.world.tasks import VISIT
 
 Range = tuple[float, float]
 MARGIN = 0.6

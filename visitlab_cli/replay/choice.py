@@ -16,8 +16,8 @@ from visitlab_cli.recording.reader import read_steps, trials
 from visitlab_cli.storage.arrays import read_trials
 from visitlab_cli.storage.cell_folder import STEPS, TRIALS, read_cell, reason
 from visitlab_cli.storage.run_folder import find_run, read_config
-from visitlab_cli.world.columns import VISIT
 from visitlab_cli.world.enums import InteractionLevel
+from visitlab_cli.world.tasks import VISIT
 
 Numbers = npt.NDArray[np.int64]
 Rewards = npt.NDArray[np.float64]

@@ -24,7 +24,7 @@ from visitlab_cli.story import (
     option_name,
     room_name,
 )
-from visitlab_cli.world.columns import VISIT
+from visitlab_cli.world.tasks import VISIT
 
 GOAL_LANE, LEVEL, ACTION = LANES = "goal", "interaction_level", "robot_action"
 """Entities, which the viewer shows in alphabetical order."""

@@ -7,8 +7,8 @@ import rerun as rr
 from visitlab_cli.replay.lettering import strokes
 from visitlab_cli.replay.stage import Line, Stage
 from visitlab_cli.story import FACING_FIELD, INK, VISUAL_FIELD, Colour, room_name
-from visitlab_cli.world.columns import VISIT
 from visitlab_cli.world.lab import LAB_SIZE, N_ROOMS, ROOM_SIZE, ROOMS_PER_SIDE
+from visitlab_cli.world.tasks import VISIT
 
 NOTHING, GOAL_ROOM, REACHED_ROOM, SEES, FACES = range(5)
 """Classes of coloured cells."""

@@ -21,9 +21,9 @@ from visitlab_cli.story import (
     executed,
     room_name,
 )
-from visitlab_cli.world.columns import VISIT
 from visitlab_cli.world.enums import Action
 from visitlab_cli.world.lab import LAB_SIZE, N_ROOMS, ROOM_SIZE, ROOMS_PER_SIDE
+from visitlab_cli.world.tasks import VISIT
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -24,7 +24,7 @@ from visitlab_cli.story import (
     strip_steps,
 )
 from visitlab_cli.whole_file import write_again
-from visitlab_cli.world.columns import VISIT
+from visitlab_cli.world.tasks import VISIT
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

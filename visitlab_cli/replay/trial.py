@@ -16,11 +16,10 @@ from visitlab_cli.recording.schema import CONFIG_NAME
 from visitlab_cli.storage.arrays import read_model
 from visitlab_cli.storage.cell_folder import MODEL
 from visitlab_cli.story import Steps
-from visitlab_cli.world.columns import NAVIGATION, SOCIAL, VISIT
 from visitlab_cli.world.geometry import DISTANCES
-from visitlab_cli.world.lab import COL_STEPS, LAB_SIZE, ROW_STEPS
+from visitlab_cli.world.lab import COL_STEPS, LAB_SIZE, ROW_STEPS, paper_lab
 from visitlab_cli.world.social import ARENA
-from visitlab_cli.world.tasks import TASK_SIZES
+from visitlab_cli.world.tasks import NAVIGATION, SOCIAL, TASKS, VISIT
 
 Vectors = npt.NDArray[np.float32]
 Values = npt.NDArray[np.float64]
@@ -114,7 +113,7 @@ def _learned(path: Path, task: str) -> Values | None:
         q = read_model(path.with_name(MODEL))["q"]
     except (VisitlabError, KeyError):
         return None
-    return q if q.shape == tuple(TASK_SIZES[task]) else None
+    return q if q.shape == tuple(TASKS[task].size(paper_lab())) else None
 
 
 def _config(path: Path) -> dict[str, Any]:

@@ -13,8 +13,8 @@ from visitlab_cli.report.names import BETWEEN, settings_of, short_paths
 from visitlab_cli.storage.arrays import read_trials
 from visitlab_cli.storage.cell_folder import STEPS, TRIALS, read_cell
 from visitlab_cli.story import GESTURES, Steps, captions, executed, moments
-from visitlab_cli.world.columns import VISIT
 from visitlab_cli.world.enums import Action
+from visitlab_cli.world.tasks import VISIT
 
 MOST_TRIALS = 12
 """A page plays the best trials of so many visits at most, in the order of the config."""

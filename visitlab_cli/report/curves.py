@@ -16,7 +16,7 @@ from visitlab_cli.report.hues import COLOURS, Hues
 from visitlab_cli.report.names import names_within, short_paths
 from visitlab_cli.storage.arrays import read_trials
 from visitlab_cli.storage.cell_folder import TRIALS, read_cell
-from visitlab_cli.world.columns import VISIT
+from visitlab_cli.world.tasks import VISIT
 
 MOST_POINTS = 100
 """Of a curve."""

@@ -13,7 +13,7 @@ from visitlab_cli.report.hues import COLOURS
 from visitlab_cli.report.markup import Html, element
 from visitlab_cli.report.names import breakable
 from visitlab_cli.storage.cell_folder import SOURCES
-from visitlab_cli.world.columns import GO_TO_HUMAN, NAVIGATION, SOCIAL, VISIT
+from visitlab_cli.world.tasks import GO_TO_HUMAN, NAVIGATION, SOCIAL, VISIT
 
 TASKS = {
     NAVIGATION: "reach each of nine rooms and stay there",

@@ -12,10 +12,8 @@ import numpy.typing as npt
 
 from visitlab_cli.world.enums import Action, Direction, InteractionLevel
 
-NAVIGATION, GO_TO_HUMAN, SOCIAL, VISIT = TASKS = ("navigation", "go_to_human", "social", "visit")
-WITH_HUMAN = (GO_TO_HUMAN, SOCIAL, VISIT)
-WITH_ENGAGEMENT = (SOCIAL, VISIT)
-WITH_GOAL = (NAVIGATION, VISIT)
+ALWAYS, HUMAN, ENGAGEMENT, GOAL, MODULES = "always", "human", "engagement", "goal", "modules"
+"""What there may be in a task, and so what its log has columns for."""
 
 FIXED32, FLOAT, BOOL, UINT32, ENUM = "fixed32", "float", "bool", "uint32", "enum"
 DTYPES = {FIXED32: np.uint32, FLOAT: np.float32, BOOL: np.bool_, UINT32: np.uint8, ENUM: np.uint8}
@@ -27,10 +25,10 @@ Bytes = npt.NDArray[np.uint8]
 
 
 class Column(NamedTuple):
-    """One field of the log: `name`, protobuf type, `tasks` that have it, meaning; `enum` names its values."""
+    """One field of the log: its protobuf type, the `part` of a task it tells of, meaning, the `enum` of its values."""
 
     kind: str
-    tasks: tuple[str, ...]
+    part: str
     meaning: str
     enum: type[IntEnum] | None = None
     name: str = ""
@@ -39,31 +37,31 @@ class Column(NamedTuple):
 class StepColumns(NamedTuple):
     """A block of steps as arrays of shape (rows,); a task leaves the columns that it lacks untouched."""
 
-    trial: Annotated[Uint32s, Column(FIXED32, TASKS, "number of the trial, from 0")]
-    step: Annotated[Uint32s, Column(FIXED32, TASKS, "step in the trial, from 1; 0 is the state it starts in")]
-    state: Annotated[Uint32s, Column(FIXED32, TASKS, "index of the deciding module's state after the step")]
-    action: Annotated[Bytes, Column(ENUM, TASKS, "what the deciding module chose", Action)]
-    executed_action: Annotated[Bytes, Column(ENUM, (VISIT,), "what the robot did, never 29", Action)]
-    explored: Annotated[Bools, Column(BOOL, TASKS, "the deciding module drew the action at random")]
-    reward: Annotated[Floats, Column(FLOAT, TASKS, "the task's reward for this step")]
-    social_reward: Annotated[Floats, Column(FLOAT, (VISIT,), "what the social module learned from")]
-    robot_row: Annotated[Uint32s, Column(FIXED32, TASKS, "robot's row, 0 in the north")]
-    robot_col: Annotated[Uint32s, Column(FIXED32, TASKS, "robot's column, 0 in the west")]
-    robot_heading: Annotated[Bytes, Column(ENUM, TASKS, "where the robot faces", Direction)]
-    human_row: Annotated[Uint32s, Column(FIXED32, WITH_HUMAN, "human's row")]
-    human_col: Annotated[Uint32s, Column(FIXED32, WITH_HUMAN, "human's column")]
-    human_heading: Annotated[Bytes, Column(ENUM, WITH_HUMAN, "where the human looks", Direction)]
+    trial: Annotated[Uint32s, Column(FIXED32, ALWAYS, "number of the trial, from 0")]
+    step: Annotated[Uint32s, Column(FIXED32, ALWAYS, "step in the trial, from 1; 0 is the state it starts in")]
+    state: Annotated[Uint32s, Column(FIXED32, ALWAYS, "index of the deciding module's state after the step")]
+    action: Annotated[Bytes, Column(ENUM, ALWAYS, "what the deciding module chose", Action)]
+    executed_action: Annotated[Bytes, Column(ENUM, MODULES, "what the robot did, never 29", Action)]
+    explored: Annotated[Bools, Column(BOOL, ALWAYS, "the deciding module drew the action at random")]
+    reward: Annotated[Floats, Column(FLOAT, ALWAYS, "the task's reward for this step")]
+    social_reward: Annotated[Floats, Column(FLOAT, MODULES, "what the social module learned from")]
+    robot_row: Annotated[Uint32s, Column(FIXED32, ALWAYS, "robot's row, 0 in the north")]
+    robot_col: Annotated[Uint32s, Column(FIXED32, ALWAYS, "robot's column, 0 in the west")]
+    robot_heading: Annotated[Bytes, Column(ENUM, ALWAYS, "where the robot faces", Direction)]
+    human_row: Annotated[Uint32s, Column(FIXED32, HUMAN, "human's row")]
+    human_col: Annotated[Uint32s, Column(FIXED32, HUMAN, "human's column")]
+    human_heading: Annotated[Bytes, Column(ENUM, HUMAN, "where the human looks", Direction)]
     human_action: Annotated[
         Bytes,
-        Column(ENUM, WITH_ENGAGEMENT, "human's move at the speed it drew, blocked or not, or STAY", Action),
+        Column(ENUM, ENGAGEMENT, "human's move at the speed it drew, blocked or not, or STAY", Action),
     ]
     interaction_level: Annotated[
-        Bytes, Column(ENUM, WITH_HUMAN, "0..4 who sees and faces whom, 5..7 engagement", InteractionLevel)
+        Bytes, Column(ENUM, HUMAN, "0..4 who sees and faces whom, 5..7 engagement", InteractionLevel)
     ]
-    distance: Annotated[Bytes, Column(UINT32, WITH_HUMAN, "category of the distance, 0 (close) to 4 (far)")]
-    angle: Annotated[Bytes, Column(ENUM, WITH_HUMAN, "direction from the robot to the human", Direction)]
-    desired_direction: Annotated[Bytes, Column(ENUM, WITH_ENGAGEMENT, "where the human should go", Direction)]
-    goal_room: Annotated[Bytes, Column(UINT32, WITH_GOAL, "0..8, row by row from the north-west")]
+    distance: Annotated[Bytes, Column(UINT32, HUMAN, "category of the distance, 0 (close) to 4 (far)")]
+    angle: Annotated[Bytes, Column(ENUM, HUMAN, "direction from the robot to the human", Direction)]
+    desired_direction: Annotated[Bytes, Column(ENUM, ENGAGEMENT, "where the human should go", Direction)]
+    goal_room: Annotated[Bytes, Column(UINT32, GOAL, "0..8, row by row from the north-west")]
 
 
 def _columns() -> tuple[Column, ...]:
@@ -72,11 +70,6 @@ def _columns() -> tuple[Column, ...]:
 
 
 COLUMNS: tuple[Column, ...] = _columns()
-
-
-def columns_of(task: str) -> tuple[Column, ...]:
-    """The columns that a `task` has, in the order of the log."""
-    return tuple(column for column in COLUMNS if task in column.tasks)
 
 
 def empty_columns(rows: int) -> StepColumns:

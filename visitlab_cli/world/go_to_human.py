@@ -7,8 +7,6 @@ from visitlab_cli.compiled import kernel
 from visitlab_cli.random_numbers import RandomState
 from visitlab_cli.world.enums import (
     N_DIRECTIONS,
-    N_DISTANCES,
-    N_PHYSICAL_ACTIONS,
     InteractionLevel,
 )
 from visitlab_cli.world.geometry import DISTANCES, Geometry, is_appropriate, make_geometry
@@ -16,9 +14,6 @@ from visitlab_cli.world.lab import Lab, paper_lab
 from visitlab_cli.world.robot import acted
 from visitlab_cli.world.scene import Scene, acted_scene, first_scene, random_body, related, with_aims
 from visitlab_cli.world.task import BEGIN_TRIAL, OBSERVE, STEP, TRAINING_TRIAL_STEPS
-
-N_STATES = N_DIRECTIONS * N_DIRECTIONS * N_DISTANCES
-N_ACTIONS = N_PHYSICAL_ACTIONS
 
 
 class GoToHuman(NamedTuple):

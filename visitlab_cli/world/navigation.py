@@ -4,14 +4,11 @@ from typing import NamedTuple
 
 from visitlab_cli.compiled import kernel
 from visitlab_cli.random_numbers import RandomState, random_below
-from visitlab_cli.world.enums import N_PHYSICAL_ACTIONS, Action, Direction
-from visitlab_cli.world.lab import LAB_SIZE, N_ROOMS, Lab, paper_lab
+from visitlab_cli.world.enums import Action, Direction
+from visitlab_cli.world.lab import Lab, paper_lab
 from visitlab_cli.world.robot import acted
 from visitlab_cli.world.scene import Body, Scene, acted_scene, with_aims
 from visitlab_cli.world.task import BEGIN_TRIAL, OBSERVE, STEP, TRAINING_TRIAL_STEPS
-
-N_STATES = N_ROOMS * LAB_SIZE * LAB_SIZE
-N_ACTIONS = N_PHYSICAL_ACTIONS
 
 
 class Navigation(NamedTuple):

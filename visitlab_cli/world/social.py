@@ -9,7 +9,6 @@ from visitlab_cli.world.enums import (
     N_DIRECTIONS,
     N_DISTANCES,
     N_LEVELS,
-    N_SOCIAL_ACTIONS,
     Action,
     Engagement,
 )
@@ -28,8 +27,6 @@ from visitlab_cli.world.scene import (
 )
 from visitlab_cli.world.task import BEGIN_TRIAL, OBSERVE, STEP, TRAINING_TRIAL_STEPS
 
-N_STATES = N_LEVELS * N_DISTANCES * N_DIRECTIONS * N_DIRECTIONS
-N_ACTIONS = N_SOCIAL_ACTIONS
 ARENA = 120
 DIRECTION_CHANGE = 0.2
 VISION_SPEED = 2

@@ -1,9 +1,16 @@
-"""The sizes of the four tasks' tables, by the task's name."""
+"""The four tasks as configs, logs and plans know them: what there is in each, and the sizes of its tables.
 
-from typing import NamedTuple
+Their rules are in a file each: `navigation.py`, `go_to_human.py`, `social.py`, `visit.py` (with
+`simulation/visit.py`). Whoever wants to know something of a task asks its description here.
+"""
 
-from visitlab_cli.world import go_to_human, navigation, social
-from visitlab_cli.world.columns import GO_TO_HUMAN, NAVIGATION, SOCIAL, VISIT
+from dataclasses import dataclass
+from typing import NamedTuple, Protocol
+
+from visitlab_cli.world.columns import ALWAYS, COLUMNS, ENGAGEMENT, GOAL, HUMAN, MODULES, Column
+from visitlab_cli.world.enums import N_DIRECTIONS, N_DISTANCES, N_LEVELS, N_PHYSICAL_ACTIONS, N_SOCIAL_ACTIONS
+
+NAVIGATION, GO_TO_HUMAN, SOCIAL, VISIT = TASK_NAMES = ("navigation", "go_to_human", "social", "visit")
 
 
 class TaskSize(NamedTuple):
@@ -13,9 +20,65 @@ class TaskSize(NamedTuple):
     n_actions: int
 
 
-TASK_SIZES = {
-    NAVIGATION: TaskSize(navigation.N_STATES, navigation.N_ACTIONS),
-    GO_TO_HUMAN: TaskSize(go_to_human.N_STATES, go_to_human.N_ACTIONS),
-    SOCIAL: TaskSize(social.N_STATES, social.N_ACTIONS),
-    VISIT: TaskSize(social.N_STATES, social.N_ACTIONS),
+class Rooms(Protocol):
+    """What the size of a task may depend on: a lab."""
+
+    @property
+    def rows(self) -> int:
+        """Cells from north to south."""
+
+    @property
+    def cols(self) -> int:
+        """Cells from west to east."""
+
+    @property
+    def n_rooms(self) -> int:
+        """How many rooms it has."""
+
+
+@dataclass(frozen=True)
+class Task:
+    """A task: its `name`, the `parts` that there are in it (`columns.py`), and its tables' sizes.
+
+    `n_states` is the number of states in any lab, or None where a state is a goal room and a cell.
+    """
+
+    name: str
+    parts: tuple[str, ...]
+    n_states: int | None
+    n_actions: int
+
+    @property
+    def columns(self) -> tuple[Column, ...]:
+        """The columns that its log has, in their order."""
+        return tuple(column for column in COLUMNS if column.part in self.parts)
+
+    def size(self, lab: Rooms) -> TaskSize:
+        """The deciding module's states and actions in a lab."""
+        n_states = lab.n_rooms * lab.rows * lab.cols if self.n_states is None else self.n_states
+        return TaskSize(n_states, self.n_actions)
+
+
+_TOWARDS_HUMAN = N_DIRECTIONS * N_DIRECTIONS * N_DISTANCES
+_SOCIAL = N_LEVELS * N_DISTANCES * N_DIRECTIONS * N_DIRECTIONS
+
+TASKS = {
+    task.name: task
+    for task in (
+        Task(NAVIGATION, (ALWAYS, GOAL), None, N_PHYSICAL_ACTIONS),
+        Task(GO_TO_HUMAN, (ALWAYS, HUMAN), _TOWARDS_HUMAN, N_PHYSICAL_ACTIONS),
+        Task(SOCIAL, (ALWAYS, HUMAN, ENGAGEMENT), _SOCIAL, N_SOCIAL_ACTIONS),
+        Task(VISIT, (ALWAYS, HUMAN, ENGAGEMENT, GOAL, MODULES), _SOCIAL, N_SOCIAL_ACTIONS),
+    )
 }
+"""By name, in the order of the paper."""
+
+
+def columns_of(task: str) -> tuple[Column, ...]:
+    """The columns that a task has, by its name."""
+    return TASKS[task].columns
+
+
+def tasks_with(part: str) -> tuple[str, ...]:
+    """The names of the tasks that have a part."""
+    return tuple(name for name, task in TASKS.items() if part in task.parts)
