@@ -65,9 +65,9 @@ def kernel(function: Function) -> Function:
     """Compile `function` on its first call, release the GIL in it, and keep its machine code in our cache."""
     folder = cache_folder()
     compiler: Any = numba.njit
+    dispatcher = compiler(nogil=True, forceinline=True)(function)  # else records are copied at each call
     if JIT_DISABLED or folder is None:
-        return cast(Function, compiler(nogil=True)(function))
-    dispatcher = compiler(nogil=True)(function)
+        return cast(Function, dispatcher)
     with _numba_cache(folder):
         dispatcher._cache = cache_of(function)
     return cast(Function, dispatcher)
@@ -122,4 +122,4 @@ def written(name: str, arguments: str, lines: Iterable[str], **names: Any) -> Ca
     """
     body = "".join(f"    {line}\n" for line in lines)
     exec(f"def {name}({arguments}):\n{body}", names)
-    return cast(Callable[..., Any], register_jitable(names[name]))
+    return cast(Callable[..., Any], register_jitable(forceinline=True)(names[name]))
