@@ -167,11 +167,11 @@ def test_overrides_are_bounded() -> None:
 @pytest.mark.parametrize(
     ("text", "line"),
     [
-        ("seed:\u00a0 3\nseeds: 1\n", "1:6: a no-break space (U+00A0); YAML knows no other space than the usual one"),
-        ("a: 1\n\u3000\nb: 2", "2:1: an ideographic space (U+3000); YAML knows no other space than the usual one"),
-        ("a: 1\n# x\u2028b: 2\n", "2:4: a line separator (U+2028), which some take for a line break; remove it"),
-        ("a: '\u2029'\n", "1:5: a paragraph separator (U+2029), which some take for a line break; remove it"),
-        ("a: 1\r\n# \u0085b: 2\n", "2:3: a control character (U+0085), which some take for a line break; remove it"),
+        ("seed:\u00a0 3\nseeds: 1\n", "1:6: no-break space (U+00A0); YAML knows no other space than the usual one"),
+        ("a: 1\n\u3000\nb: 2", "2:1: ideographic space (U+3000); YAML knows no other space than the usual one"),
+        ("a: 1\n# x\u2028b: 2\n", "2:4: line separator (U+2028), which some take for a line break; remove it"),
+        ("a: '\u2029'\n", "1:5: paragraph separator (U+2029), which some take for a line break; remove it"),
+        ("a: 1\r\n# \u0085b: 2\n", "2:3: control character (U+0085), which some take for a line break; remove it"),
         ("a: 1\rb: @x", "2:4: text that starts with @ must be in quotes"),
         ("a: 1\r\n\tb: 1", "2:1: a tab; YAML is indented with spaces"),
     ],

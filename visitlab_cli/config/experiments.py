@@ -18,9 +18,11 @@ TRAINING_STEPS = 500_000
 
 
 def _distinct(entries: tuple[Any, ...]) -> tuple[Any, ...]:
-    for position, entry in enumerate(entries):
-        if entry in entries[:position]:
+    seen: set[Any] = set()
+    for entry in entries:
+        if entry in seen:
             raise ValueError(f"has {entry} twice")
+        seen.add(entry)
     return entries
 
 

@@ -63,7 +63,7 @@ def _lines(text: str) -> list[str]:
 
 
 def _named(character: str) -> str:
-    return f"a {unicodedata.name(character, 'control character').lower()} (U+{ord(character):04X})"
+    return f"{unicodedata.name(character, 'control character').lower()} (U+{ord(character):04X})"
 
 
 def _odd_space(text: str, error: yaml.MarkedYAMLError) -> int | None:
