@@ -30,9 +30,9 @@ def make_task(task, distances=(1, 2, 4, 5), goal_rooms=tuple(range(9)), **option
 
     human = SixParameters(**HUMAN).create()
     if task == "navigation":
-        return make_navigation(trial_steps=TRIAL_STEPS[task])
+        return make_navigation(TRIAL_STEPS[task])
     if task == "go_to_human":
-        return make_go_to_human(trial_steps=TRIAL_STEPS[task], distances=distances, **options)
+        return make_go_to_human(TRIAL_STEPS[task], distances=distances, **options)
     if task == "social":
         return make_social(human, TRIAL_STEPS[task], distances=distances, **options)
     world = make_visit_world(human, goal_rooms, distances)

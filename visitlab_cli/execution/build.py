@@ -43,9 +43,9 @@ def build(cell: Cell, models: Mapping[str, Saved]) -> Simulation:
         return _build_visit(cell, settings, models)
     task: Any
     if isinstance(settings, NavigationTraining):
-        task = make_navigation(trial_steps=settings.trial_steps)
+        task = make_navigation(settings.trial_steps)
     elif isinstance(settings, GoToHumanTraining):
-        task = make_go_to_human(None, settings.trial_steps, settings.success, distances)
+        task = make_go_to_human(settings.trial_steps, settings.success, distances)
     else:
         task = _social_task(cell, settings)
     parameters = cell.config.agents[cell.agent]

@@ -26,10 +26,10 @@ class GoToHuman(NamedTuple):
 
 
 def make_go_to_human(
-    lab: Lab | None = None,
     trial_steps: int = TRAINING_TRIAL_STEPS,
     success: str = "facing",
     distances: Sequence[int] = DISTANCES,
+    lab: Lab | None = None,
 ) -> GoToHuman:
     """The task in `lab`, the paper's unless given; `success` is `facing` or `seen`."""
     lab = lab or paper_lab()

@@ -18,7 +18,7 @@ class Navigation(NamedTuple):
     trial_steps: int
 
 
-def make_navigation(lab: Lab | None = None, trial_steps: int = TRAINING_TRIAL_STEPS) -> Navigation:
+def make_navigation(trial_steps: int = TRAINING_TRIAL_STEPS, lab: Lab | None = None) -> Navigation:
     """Navigation in `lab`, the paper's unless given."""
     return Navigation(lab or paper_lab(), trial_steps)
 
