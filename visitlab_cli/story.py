@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy.typing as npt
 
-from visitlab_cli.world.enums import N_DIRECTIONS, N_MOVES, Action, Direction, InteractionLevel
+from visitlab_cli.world.enums import DISTANCE_NAMES, N_DIRECTIONS, N_MOVES, Action, Direction, InteractionLevel
 
 Steps = Mapping[str, npt.NDArray[Any]]
 """The columns of one trial, from its step 0 on: for each name of the log an array of shape (steps + 1,)."""
@@ -41,7 +41,6 @@ LEVEL_COLOURS: tuple[Colour, ...] = (
     (230, 159, 0),
     (0, 158, 115),
 )
-DISTANCE_NAMES = ("too close", "close", "right", "wide", "too far")
 
 MOVES, STAYS, LOOKS, SAYS_HELLO, CALLS, POINTS, GOES = ACTION_KINDS = (
     "Moves",

@@ -4,7 +4,8 @@ from google.protobuf.descriptor_pb2 import FieldDescriptorProto, FileDescriptorS
 
 from visitlab_cli.recording.schema import message_descriptor, proto_text, schema_bytes
 from visitlab_cli.world.columns import COLUMNS
-from visitlab_cli.world.enums import Action, Direction, InteractionLevel
+from visitlab_cli.world.enums import DISTANCE_NAMES, Action, Direction, InteractionLevel
+from visitlab_cli.world.geometry import is_appropriate
 
 from .blocks import message_class
 
@@ -46,3 +47,10 @@ def test_the_proto_file_for_people_says_what_the_descriptor_says():
             for field in message_descriptor(name).field
         ]
     assert "NO_ACTION = 30;" in text
+
+
+def test_the_log_and_the_viewer_have_one_word_for_each_distance():
+    (distance,) = (column for column in COLUMNS if column.name == "distance")
+    assert distance.meaning == "category of the distance: 0 too close, 1 close, 2 right, 3 wide, 4 too far"
+    for category, name in enumerate(DISTANCE_NAMES):
+        assert is_appropriate(category) == (not name.startswith("too"))

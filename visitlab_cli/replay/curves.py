@@ -11,7 +11,6 @@ from visitlab_cli.replay.stage import Stage
 from visitlab_cli.story import (
     ACTION_COLOURS,
     ACTION_KINDS,
-    DISTANCE_NAMES,
     GOAL,
     HUMAN,
     LEVEL_COLOURS,
@@ -24,6 +23,7 @@ from visitlab_cli.story import (
     option_name,
     room_name,
 )
+from visitlab_cli.world.enums import DISTANCE_NAMES
 from visitlab_cli.world.tasks import VISIT
 
 GOAL_LANE, LEVEL, ACTION = LANES = "goal", "interaction_level", "robot_action"

@@ -15,7 +15,6 @@ from visitlab_cli.report.results_table import results
 from visitlab_cli.report.sections import charts, head, repeat, trial, what_was_run
 from visitlab_cli.story import (
     DESIRED,
-    DISTANCE_NAMES,
     GOAL,
     HUMAN,
     LEVEL_COLOURS,
@@ -24,6 +23,7 @@ from visitlab_cli.story import (
     Colour,
     room_name,
 )
+from visitlab_cli.world.enums import DISTANCE_NAMES
 from visitlab_cli.world.lab import LAB_SIZE, N_ROOMS, ROOM_SIZE
 
 BEGINNING = "<!doctype html>\n<!-- a report of visitlab -->\n"

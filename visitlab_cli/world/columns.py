@@ -10,13 +10,15 @@ from typing import Annotated, NamedTuple, get_args, get_type_hints
 import numpy as np
 import numpy.typing as npt
 
-from visitlab_cli.world.enums import Action, Direction, InteractionLevel
+from visitlab_cli.world.enums import DISTANCE_NAMES, Action, Direction, InteractionLevel
 
 ALWAYS, HUMAN, ENGAGEMENT, GOAL, MODULES = "always", "human", "engagement", "goal", "modules"
 """What there may be in a task, and so what its log has columns for."""
 
 FIXED32, FLOAT, BOOL, UINT32, ENUM = "fixed32", "float", "bool", "uint32", "enum"
 DTYPES = {FIXED32: np.uint32, FLOAT: np.float32, BOOL: np.bool_, UINT32: np.uint8, ENUM: np.uint8}
+
+_DISTANCES = ", ".join(f"{number} {name}" for number, name in enumerate(DISTANCE_NAMES))
 
 Uint32s = npt.NDArray[np.uint32]
 Floats = npt.NDArray[np.float32]
@@ -58,7 +60,7 @@ class StepColumns(NamedTuple):
     interaction_level: Annotated[
         Bytes, Column(ENUM, HUMAN, "0..4 who sees and faces whom, 5..7 engagement", InteractionLevel)
     ]
-    distance: Annotated[Bytes, Column(UINT32, HUMAN, "category of the distance, 0 (close) to 4 (far)")]
+    distance: Annotated[Bytes, Column(UINT32, HUMAN, f"category of the distance: {_DISTANCES}")]
     angle: Annotated[Bytes, Column(ENUM, HUMAN, "direction from the robot to the human", Direction)]
     desired_direction: Annotated[Bytes, Column(ENUM, ENGAGEMENT, "where the human should go", Direction)]
     goal_room: Annotated[Bytes, Column(UINT32, GOAL, "0..8, row by row from the north-west")]

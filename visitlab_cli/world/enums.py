@@ -84,5 +84,7 @@ N_MOVES = int(Action.STAY)
 N_PHYSICAL_ACTIONS = int(Action.STAY) + 1
 N_SOCIAL_ACTIONS = int(Action.GO_TO_HUMAN_VISION) + 1
 N_LEVELS = len(InteractionLevel)
-N_DISTANCES = 5
+DISTANCE_NAMES = ("too close", "close", "right", "wide", "too far")
+"""The words of the distance categories, in their order: log, viewer and pages have no others."""
+N_DISTANCES = len(DISTANCE_NAMES)
 MAX_SPEED = 3
