@@ -11,6 +11,7 @@ import numpy as np
 
 from visitlab_cli.analysis.evaluated import evaluated
 from visitlab_cli.analysis.summary import summaries
+from visitlab_cli.analysis.summary_export import results_table
 from visitlab_cli.analysis.summary_groups import point_of
 from visitlab_cli.analysis.summary_tables import Reader, model_of, stacked, steps_of, trials_of
 from visitlab_cli.config.canonical import canonical
@@ -107,7 +108,8 @@ class LoadedRun:
 
     def results(self) -> Any:
         """A data frame with a row for each experiment, agent, human and point: what `visitlab runs show` shows."""
-        return _pandas().DataFrame([line.as_row() for line in summaries(self.path, self._plan)])
+        _pandas()
+        return results_table(summaries(self.path, self._plan)).to_pandas()
 
     def trials(self, **wanted: str | int) -> Any:
         """A data frame with a row a trial: `trial`, `reward`, in visits `goals`."""

@@ -110,3 +110,19 @@ def test_what_does_not_work_is_one_line(tiny_run, tmp_path, arguments, code, lin
     assert (done.returncode, done.stdout) == (code, "")
     assert done.stderr.endswith(f"{line}\n")
     assert not list(tmp_path.iterdir())
+
+
+def test_a_column_has_its_type_even_where_all_of_it_is_missing(tmp_path):
+    """One seed has no interval, and an untrained cell no time; a run without a human has none anywhere."""
+    run, cells = open_lab(tmp_path, seeds=1)
+    for cell in cells.values():
+        write_cell(run, cell, [1.0, 2.0])
+    for content in ("results", "trials"):
+        for chosen in (list(cells.values()), [cell for cell in cells.values() if not cell.human][:1]):
+            file = tmp_path / f"{content}-{len(chosen)}.parquet"
+            export_table(run, chosen, content, file)
+            schema = parquet.read_schema(file)
+            assert [column.name for column in schema if pyarrow.types.is_null(column.type)] == []
+    kinds = {column.name: str(column.type) for column in parquet.read_schema(tmp_path / "results-1.parquet")}
+    assert (kinds["low"], kinds["high"], kinds["seconds_a_cell"]) == ("double", "double", "double")
+    assert (kinds["human"], kinds["n"]) == ("string", "int64")

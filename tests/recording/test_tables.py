@@ -3,7 +3,7 @@ import sys
 import numpy as np
 import pytest
 
-from visitlab_cli.errors import UsageError
+from visitlab_cli.errors import RunError, UsageError
 from visitlab_cli.recording.reader import read_steps
 from visitlab_cli.recording.tables import names_of, to_arrow, to_pandas
 from visitlab_cli.world.columns import COLUMNS
@@ -59,3 +59,20 @@ def test_without_pandas_it_says_so(columns, monkeypatch):
     monkeypatch.setitem(sys.modules, "pandas", None)
     with pytest.raises(UsageError, match=r"^to_pandas needs pandas: pip install pandas$"):
         to_pandas(columns)
+
+
+def test_categories_have_signed_numbers_as_pandas_wants_them(columns):
+    for table in (
+        to_arrow(columns, named=True),
+        to_arrow({name: values[:0] for name, values in columns.items()}, named=True),
+    ):
+        kinds = {name: table.schema.field(name).type for name in columns if names_of(name)}
+        assert {str(kind.index_type) for kind in kinds.values()} == {"int8"}
+        assert not any(str(column.type) == "null" for column in table.schema)
+
+
+def test_a_number_without_a_name_is_one_line(columns):
+    wrong = columns | {"action": np.array([0, 31, 200], np.uint8)}
+    for convert in (to_arrow, to_pandas):
+        with pytest.raises(RunError, match=r"^action has the value 200, which there is not$"):
+            convert({"action": wrong["action"]}, named=True)

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from visitlab_cli.analysis.summary import summaries
+from visitlab_cli.analysis.summary import Summary, summaries
 from visitlab_cli.analysis.summary_tables import Reader, model_of, steps_of, tables, trials_of
 from visitlab_cli.errors import NotFoundError
 from visitlab_cli.execution.cells import Cell
@@ -16,6 +16,8 @@ RESULTS = "results"
 READERS: dict[str, Reader] = {"trials": trials_of, "steps": steps_of, "models": model_of}
 CONTENTS = (*READERS, RESULTS)
 CSV, PARQUET = "csv", "parquet"
+TEXTS = ("name", "experiment", "agent", "human", "measure")
+COUNTS = ("cells_done", "cells", "n")
 STARTS_FORMULA = re.compile("[\\s\ufeff\u200b]*[=+\\-@\uff1d\uff0b\uff0d\uff20]|[\\t\\r\\n]")
 """What spreadsheets take for a formula, some after a space, some in wide letters, some after a break."""
 NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?|[-+]?(inf|nan)", re.ASCII)
@@ -40,9 +42,21 @@ def export_table(run: Path, cells: Sequence[Cell], content: str, file: Path) -> 
 
 
 def _results(run: Path, cells: Sequence[Cell]) -> Iterator[Any]:
+    yield results_table(summaries(run, cells))
+
+
+def results_table(lines: Sequence[Summary]) -> Any:
+    """The lines of the summary, at least one, as a `pyarrow.Table`; a column's type is the same whatever is missing."""
     import pyarrow
 
-    yield pyarrow.Table.from_pylist([line.as_row() for line in summaries(run, cells)])
+    rows = [line.as_row() for line in lines]
+    texts = {*TEXTS, *(path for line in lines for path, _ in line.group.point)}
+    types = {
+        name: pyarrow.string() if name in texts else pyarrow.int64() if name in COUNTS else pyarrow.float64()
+        for row in rows
+        for name in row
+    }
+    return pyarrow.Table.from_pylist(rows, pyarrow.schema(list(types.items())))
 
 
 def _aligned(run: Path, cells: Sequence[Cell], read: Reader) -> Iterator[Any]:

@@ -4,8 +4,9 @@ import importlib
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
-from visitlab_cli.errors import UsageError
+from visitlab_cli.errors import RunError, UsageError
 from visitlab_cli.recording.reader import Columns
 from visitlab_cli.world.columns import COLUMNS
 
@@ -18,13 +19,25 @@ def names_of(column: str) -> tuple[str, ...]:
     return tuple(value.name for value in enum) if enum else ()
 
 
+def _codes(columns: Columns, name: str) -> npt.NDArray[np.int8]:
+    """An enum's numbers, signed: what pandas, and pyarrow before 23, take for a category.
+
+    Raises:
+        RunError: one of them has no name.
+    """
+    values: npt.NDArray[Any] = columns[name]
+    if len(values) and (most := values.max()) >= len(names_of(name)):
+        raise RunError(f"{name} has the value {most}, which there is not")
+    return values.astype(np.int8, copy=False) if values.dtype != np.uint8 else values.view(np.int8)
+
+
 def to_arrow(columns: Columns, *, named: bool = False) -> Any:
     """A `pyarrow.Table` on the arrays' own memory (only bools are packed anew), made by whatever read the columns."""
     import pyarrow
 
     def array(name: str) -> Any:
         if named and (names := names_of(name)):
-            return pyarrow.DictionaryArray.from_arrays(pyarrow.array(columns[name]), list(names))
+            return pyarrow.DictionaryArray.from_arrays(pyarrow.array(_codes(columns, name)), list(names))
         return pyarrow.array(columns[name])
 
     return pyarrow.table({name: array(name) for name in columns})
@@ -43,7 +56,7 @@ def to_pandas(columns: Columns, *, named: bool = False) -> Any:
 
     def series(name: str) -> Any:
         if named and (names := names_of(name)):
-            return pandas.Categorical.from_codes(columns[name].astype(np.int8), categories=list(names))
+            return pandas.Categorical.from_codes(_codes(columns, name), categories=list(names))
         return columns[name]
 
     return pandas.DataFrame({name: series(name) for name in columns})
