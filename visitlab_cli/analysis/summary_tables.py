@@ -10,7 +10,7 @@ import numpy as np
 from visitlab_cli.analysis.summary_groups import point_of
 from visitlab_cli.errors import NotFoundError
 from visitlab_cli.execution.cells import Cell
-from visitlab_cli.recording.reader import read_steps
+from visitlab_cli.recording.reader import check_values, read_steps
 from visitlab_cli.recording.tables import to_arrow
 from visitlab_cli.storage.arrays import read_model, read_trials
 from visitlab_cli.storage.cell_folder import MODEL, STEPS, TRIALS
@@ -30,10 +30,13 @@ def steps_of(folder: Path, columns: Sequence[str] | None = None) -> Any:
 
     Raises:
         NotFoundError: the cell has no log.
+        RunError: it is damaged, or has values that there are not.
     """
     if not (folder / STEPS).is_file():
         raise NotFoundError(f"{folder}: has no log, its config records no steps; run it with record.steps=every")
-    return to_arrow(read_steps(folder / STEPS, columns), named=True)
+    steps = read_steps(folder / STEPS, columns)
+    check_values(folder / STEPS, steps)
+    return to_arrow(steps, named=True)
 
 
 def model_of(folder: Path) -> Any:

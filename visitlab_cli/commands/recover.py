@@ -1,12 +1,15 @@
 """`visitlab recover`: save what is whole of a log that was cut or damaged."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from visitlab_cli.commands.options import Json
 from visitlab_cli.terminal import tell, tell_json
+
+if TYPE_CHECKING:
+    from visitlab_cli.recording.recovery import Recovered
 
 
 def command(
@@ -24,20 +27,29 @@ def command(
 
     saved = recover(broken, output)
     if as_json:
-        told = {
-            "file": str(saved.path),
-            "steps": saved.steps,
-            "trials": saved.trials,
-            "parts_of_trials": saved.parts,
-            "lost_bytes": saved.lost_bytes,
-            "was_whole": saved.was_whole,
-        }
-        tell_json(told)
+        joined = {"others": [_plain(other) for other in saved.others]} if saved.others else {}
+        tell_json(_plain(saved) | {"lost_bytes": saved.lost_bytes, "was_whole": saved.was_whole} | joined)
         return
-    parts = f" and parts of {saved.parts} more" if saved.parts else ""
-    tell(f"{saved.path}: {saved.steps:,} steps, {saved.trials:,} whole trials{parts}")
+    for each in (saved, *saved.others):
+        parts = f" and parts of {each.parts} more" if each.parts else ""
+        tell(f"{each.path}: {each.steps:,} steps, {each.trials:,} whole trials{parts}")
     if saved.was_whole:
         tell(f"{broken} was whole: this is a copy", err=True)
-    else:
-        left_out = f"{saved.lost_bytes:,} bytes in it are not whole and left out"
+        return
+    left_out = f"{saved.lost_bytes:,} bytes in it are not whole and left out"
+    if saved.others:
+        begins = ", ".join(f"{other.first_byte:,}" for other in saved.others)
+        tell(f"{broken} is several files joined, the next from byte {begins} on: each is saved alone", err=True)
+    for words in saved.left_out:
+        tell(f"{broken}: {words}", err=True)
+    if saved.lost_bytes or not saved.others:
         tell(f"{broken} was cut or damaged: {left_out}; it was not changed", err=True)
+
+
+def _plain(saved: "Recovered") -> dict[str, Any]:
+    return {
+        "file": str(saved.path),
+        "steps": saved.steps,
+        "trials": saved.trials,
+        "parts_of_trials": saved.parts,
+    }

@@ -54,10 +54,13 @@ class Layout:
         return records
 
     def matches(self, records: Records) -> npt.NDArray[np.bool_]:
-        """Which of the `records` have the constants of this layout."""
+        """Which of the `records` have the constants of this layout, and each varint in one byte."""
         same = np.ones(len(records), np.bool_)
         for name, value in self.constants.items():
             same &= records[name] == value
+        for name in self.varints:
+            most = 1 if self.dtype[name] == np.bool_ else VARINT_MAX
+            same &= records[name].view(np.uint8) <= most
         return same
 
 

@@ -9,7 +9,7 @@ import contextlib
 import os
 import struct
 import zlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -39,12 +39,15 @@ from mcap.writer import MCAP0_MAGIC
 
 from visitlab_cli.recording.layout import Records
 
+HEADER = Header(profile="", library="visitlab")
 COMPRESSION = "zstd"
 # The fast strategy of levels 1 and 2, with a table and a window that fit the processor's cache. Measured on a
 # visit: a fifth less CPU than level 3, which writes 2 bytes a step less.
 _COMPRESSION_PARAMETERS = zstandard.ZstdCompressionParameters(
     strategy=zstandard.STRATEGY_FAST, window_log=18, hash_log=16, min_match=6
 )
+INDEX_HEAD = struct.Struct("<HI")
+"""How the body of a MessageIndex begins: channel, bytes of its entries."""
 INDEX_ENTRY = np.dtype([("log_time", "<u8"), ("offset", "<u8")])
 IndexEntries = npt.NDArray[np.void]
 """Log time and place in its chunk of each message, of `INDEX_ENTRY`."""
@@ -53,7 +56,7 @@ IndexEntries = npt.NDArray[np.void]
 class McapFile:
     """An MCAP file being written. Errors are OSErrors."""
 
-    def __init__(self, path: Path):
+    def __init__(self, path: Path, header: Header = HEADER):
         self._file = path.open("wb")
         self._compressor = zstandard.ZstdCompressor(compression_params=_COMPRESSION_PARAMETERS)
         self._position = 0
@@ -65,33 +68,29 @@ class McapFile:
         self._metadata: list[MetadataIndex] = []
         self._message_counts: dict[int, int] = {}
         self._write(MCAP0_MAGIC)
-        self._write(_record_bytes(Header(profile="", library="visitlab")))
+        self._write(record_bytes(header))
 
     def write_metadata(self, name: str, metadata: dict[str, str]) -> None:
         """Append a metadata record."""
-        data = _record_bytes(Metadata(name, metadata))
-        self._metadata.append(MetadataIndex(self._position, len(data), name))
-        self._write(data)
+        self.copy([record_bytes(Metadata(name, metadata))], metadata=name)
 
     def write_attachment(self, name: str, media_type: str, content: bytes) -> None:
         """Append an attachment, at time 0."""
-        self.copy_attachment(Attachment(0, 0, name, media_type, content))
+        data = record_bytes(Attachment(0, 0, name, media_type, content))
+        self.copy([data], attachment=AttachmentIndex(0, 0, 0, 0, len(content), name, media_type))
 
-    def copy_attachment(self, attachment: Attachment) -> None:
-        """Append an attachment as it is."""
-        data = _record_bytes(attachment)
-        self._attachments.append(
-            AttachmentIndex(
-                offset=self._position,
-                length=len(data),
-                log_time=attachment.log_time,
-                create_time=attachment.create_time,
-                data_size=len(attachment.data),
-                name=attachment.name,
-                media_type=attachment.media_type,
-            )
-        )
-        self._write(data)
+    def copy(
+        self, parts: Iterable[bytes], *, metadata: str | None = None, attachment: AttachmentIndex | None = None
+    ) -> None:
+        """Append a record as it is, in parts; one of metadata is indexed by its name, an attachment by `attachment`."""
+        start = self._position
+        for part in parts:
+            self._write(part)
+        length = self._position - start
+        if metadata is not None:
+            self._metadata.append(MetadataIndex(start, length, metadata))
+        if attachment is not None:
+            self._attachments.append(replace(attachment, offset=start, length=length))
 
     def write_channel(self, channel: int, topic: str, message: str, schema: bytes) -> None:
         """Append the number and topic of a `channel`, and the `schema` of its protobuf `message`."""
@@ -106,7 +105,7 @@ class McapFile:
             self._channels[definition.id] = definition
             self._message_counts.setdefault(definition.id, 0)
         if not in_chunk:
-            self._write(_record_bytes(definition))
+            self._write(record_bytes(definition))
 
     def write_chunk(self, blocks: Sequence[Records]) -> None:
         """Append a chunk of `blocks`, each of one channel in the order of its log times, and their indexes.
@@ -133,7 +132,7 @@ class McapFile:
         start = min((int(entries["log_time"].min()) for entries in indexes.values()), default=0)
         end = max((int(entries["log_time"].max()) for entries in indexes.values()), default=0)
         chunk_start = self._position
-        self._write(_record_bytes(replace(chunk, message_start_time=start, message_end_time=end)))
+        self._write_chunk(replace(chunk, message_start_time=start, message_end_time=end))
         indexes_start = self._position
         index_offsets = {}
         for channel, entries in indexes.items():
@@ -161,18 +160,18 @@ class McapFile:
 
     def finish(self) -> None:
         """Append the summary, see that the file is on the disk, and close it."""
-        self._write(_record_bytes(DataEnd(self._crc)))
+        self._write(record_bytes(DataEnd(self._crc)))
         summary_start = self._position
         self._crc = 0
         offsets: list[SummaryOffset] = []
         for opcode, records in self._summary().items():
             group_start = self._position
-            self._write(_record_bytes(*records))
+            self._write(record_bytes(*records))
             offsets.append(SummaryOffset(opcode, group_start, self._position - group_start))
         offsets_start = self._position
-        self._write(_record_bytes(*offsets))
+        self._write(record_bytes(*offsets))
         # The summary's CRC covers the footer too, up to the CRC itself.
-        footer = _record_bytes(Footer(summary_start, offsets_start, 0))[: -struct.calcsize("<I")]
+        footer = record_bytes(Footer(summary_start, offsets_start, 0))[: -struct.calcsize("<I")]
         self._write(footer)
         self._write(struct.pack("<I", self._crc) + MCAP0_MAGIC)
         self.flush()
@@ -196,17 +195,27 @@ class McapFile:
         return {opcode: records for opcode, records in groups.items() if records}
 
     def _statistics(self) -> Statistics:
+        chunks = [chunk for chunk in self._chunks if chunk.message_index_offsets]  # an empty one has no times
         return Statistics(
             attachment_count=len(self._attachments),
             channel_count=len(self._channels),
             channel_message_counts=self._message_counts,
             chunk_count=len(self._chunks),
             message_count=sum(self._message_counts.values()),
-            message_end_time=max((chunk.message_end_time for chunk in self._chunks), default=0),
-            message_start_time=min((chunk.message_start_time for chunk in self._chunks), default=0),
+            message_end_time=max((chunk.message_end_time for chunk in chunks), default=0),
+            message_start_time=min((chunk.message_start_time for chunk in chunks), default=0),
             metadata_count=len(self._metadata),
             schema_count=len(self._schemas),
         )
+
+    def _write_chunk(self, chunk: Chunk) -> None:
+        """Append the record of a chunk, its data from where they are."""
+        compression = chunk.compression.encode()
+        head = struct.pack("<QQQ", chunk.message_start_time, chunk.message_end_time, chunk.uncompressed_size)
+        head += struct.pack("<II", chunk.uncompressed_crc, len(compression)) + compression
+        head += struct.pack("<Q", len(chunk.data))
+        self._write(struct.pack("<BQ", Opcode.CHUNK, len(head) + len(chunk.data)) + head)
+        self._write(chunk.data)
 
     def _write(self, data: bytes) -> None:
         self._file.write(data)
@@ -214,7 +223,8 @@ class McapFile:
         self._crc = zlib.crc32(data, self._crc)
 
 
-def _record_bytes(*records: McapRecord) -> bytes:
+def record_bytes(*records: McapRecord) -> bytes:
+    """Records as a file holds them."""
     builder = RecordBuilder()
     for record in records:
         record.write(builder)
@@ -224,5 +234,5 @@ def _record_bytes(*records: McapRecord) -> bytes:
 
 def _message_index(channel: int, entries: IndexEntries) -> bytes:
     """The MessageIndex record of a channel's messages in a chunk."""
-    head = struct.pack("<HI", channel, entries.nbytes)
+    head = INDEX_HEAD.pack(channel, entries.nbytes)
     return struct.pack("<BQ", Opcode.MESSAGE_INDEX, len(head) + entries.nbytes) + head + entries.tobytes()

@@ -4,7 +4,6 @@ Everything that reads a log notices a broken one and says so in one line, which 
 where the whole is read every byte is checked, where a trial is, the chunks that are looked at and the file's frame.
 """
 
-from bisect import bisect_left
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
@@ -14,15 +13,22 @@ import numpy.typing as npt
 
 from visitlab_cli.config.problems import or_else
 from visitlab_cli.errors import NotFoundError, RunError, UsageError
+from visitlab_cli.recording.decoding import fitted, impossible
 from visitlab_cli.recording.layout import Layout, Records
 from visitlab_cli.recording.log import Log, open_log
-from visitlab_cli.recording.schema import ONE_TRIAL_IN
+from visitlab_cli.recording.lookup import Found, looked_up, searched
+from visitlab_cli.recording.schema import ONE_TRIAL_IN, TRIAL
 from visitlab_cli.world.columns import COLUMNS
 from visitlab_cli.world.enums import N_DISTANCES
-from visitlab_cli.world.lab import N_ROOMS
+from visitlab_cli.world.lab import LAB_SIZE, N_ROOMS
+from visitlab_cli.world.tasks import TASK_SIZES
 
 Columns = dict[str, npt.NDArray[np.generic]]
 
+PLACES = ("robot_row", "robot_col", "human_row", "human_col")
+LARGEST_ARENA = 10_000
+"""The largest side of a square world that a config may have, in cells."""
+MOST_STATES = max(states for states, _ in TASK_SIZES.values())
 _LOG_TIME = "log_time"
 _TRIAL_PARTS = ("trial", "step", "reward", _LOG_TIME)
 
@@ -96,14 +102,23 @@ def read_trial(path: Path, trial: int, columns: Sequence[str] | None = None) -> 
     """
     with open_log(path) as log:
         names = _names(path, log, columns)
-        rows, steps = _looked_up(log, trial) if log.is_ours else _searched(log, trial)
-        if log.is_ours and not _is_whole(log, rows, steps):
-            rows, steps = _searched(log, trial)  # another writer may use our layout, and order trials in its own way
-        if not len(rows):
-            raise NotFoundError(f"{path}: trial {trial} is not recorded; {_recorded(log)}")
-        if not _is_whole(log, rows, steps):
-            raise RunError(f"{path}: of trial {trial} only {len(rows)} rows are left, the log lost the others")
-        return {name: rows[name].copy() for name in names}
+        found = looked_up(log, trial) or searched(log, trial)
+        if not len(found.rows):
+            raise NotFoundError(f"{path}: trial {trial} is not recorded; {_recorded(log, found)}")
+        if not found.is_whole(log.has_trials):
+            raise RunError(f"{path}: {found.what_is_wrong(trial)}")
+        return {name: found.rows[name].copy() for name in names}
+
+
+def read_attachment(path: Path, name: str) -> bytes | None:
+    """The first attachment of a name, None where there is none.
+
+    Raises:
+        NotFoundError: there is no such file.
+        RunError: it is not a log of visitlab, or damaged.
+    """
+    with open_log(path) as log:
+        return log.attachment(name)
 
 
 def check_values(path: Path, steps: Columns) -> None:
@@ -113,70 +128,25 @@ def check_values(path: Path, steps: Columns) -> None:
         RunError: it names the first step of `steps`, the columns of a trial, with such a value.
     """
     most: dict[str, int] = {column.name: int(max(column.enum)) for column in COLUMNS if column.enum is not None}
-    most |= {"goal_room": N_ROOMS - 1, "distance": N_DISTANCES - 1}
+    most |= {"goal_room": N_ROOMS - 1, "distance": N_DISTANCES - 1, "state": MOST_STATES - 1}
+    in_arena = "goal_room" not in steps and "human_row" in steps
+    most |= dict.fromkeys(PLACES, (LARGEST_ARENA if in_arena else LAB_SIZE) - 1)
     for name, column in steps.items():
         values: npt.NDArray[Any] = column
         wrong = values > most[name] if name in most else ~np.isfinite(values) if values.dtype.kind == "f" else None
         if wrong is not None and wrong.any():
             row = int(np.argmax(wrong))
-            where = f"step {steps['step'][row]} of trial {steps['trial'][row]}"
+            known = "step" in steps and "trial" in steps
+            where = f"step {steps['step'][row]} of trial {steps['trial'][row]}" if known else f"row {row}"
             raise RunError(f"{path}: {where} has {name} {values[row]}, which there is not")
 
 
-def _is_whole(log: Log, rows: Records, steps: int | None) -> bool:
-    """Whether these are all rows of a trial, which by its `/trial` message has so many `steps`, if it has one."""
-    counted = not log.has_trials if steps is None else len(rows) == steps + 1
-    return counted and len(rows) > 0 and bool((rows["step"] == np.arange(len(rows))).all())
-
-
-def _looked_up(log: Log, trial: int) -> tuple[Records, int | None]:
-    """A trial's rows, and its steps by its `/trial` message, where trials lie in order, each before its message."""
-    parts: list[Records] = [np.empty(0, log.step_layout.dtype)]
-    for chunk in range(_first_chunk(log, trial), len(log.chunks)):
-        block = log.block(chunk)
-        parts.append(block.steps[block.steps["trial"] == trial])
-        told = block.trials["steps"][block.trials["trial"] == trial]
-        if len(told):
-            return np.concatenate(parts), int(told[0])
-        if len(block.steps) and block.steps["trial"][-1] > trial:
-            break
-    return np.concatenate(parts), None
-
-
-def _searched(log: Log, trial: int) -> tuple[Records, int | None]:
-    """The same wherever they are, in the order of their time; the whole log is read."""
-    parts: list[Records] = [np.empty(0, log.step_layout.dtype)]
-    steps = None
-    for chunk in range(len(log.chunks)):
-        block = log.block(chunk)
-        parts.append(block.steps[block.steps["trial"] == trial])
-        told = block.trials["steps"][block.trials["trial"] == trial]
-        steps = int(told[0]) if len(told) else steps
-    rows = np.concatenate(parts)
-    return rows[np.argsort(rows[_LOG_TIME], kind="stable")], steps
-
-
-def _first_chunk(log: Log, trial: int) -> int:
-    """The first chunk that may hold steps of a trial, where trials lie in their order."""
-    return bisect_left(range(len(log.chunks)), trial, key=lambda chunk: _last_trial(log, chunk))
-
-
-def _last_trial(log: Log, chunk: int) -> int:
-    """The number of the trial that a chunk ends in; of a chunk without any step or trial -1."""
-    block = log.block(chunk)
-    rows = block.steps if len(block.steps) else block.trials
-    return int(rows["trial"][-1]) if len(rows) else -1
-
-
-def _recorded(log: Log) -> str:
+def _recorded(log: Log, found: Found) -> str:
     """Which trials the log holds, in words."""
-    numbers = [log.block(chunk).steps["trial"] for chunk in range(len(log.chunks))]
-    numbers = [part for part in numbers if len(part)]
-    if not numbers:
+    if found.numbers is None:
         return "the log holds none"
-    first, last = min(part.min() for part in numbers), max(part.max() for part in numbers)
     thinned = log.attributes.get(ONE_TRIAL_IN, "1")
-    return f"the log holds {first} to {last}" + (f", one in {thinned}" if thinned != "1" else "")
+    return f"the log holds {found.numbers[0]} to {found.numbers[1]}" + (f", one in {thinned}" if thinned != "1" else "")
 
 
 def _names(path: Path, log: Log, columns: Sequence[str] | None) -> tuple[str, ...]:
@@ -198,12 +168,17 @@ def _gather(names: Iterable[str], layout: Layout, blocks: Iterable[Records]) -> 
 
 
 def _trials_of(steps: Columns, layout: Layout) -> Records:
-    """The trials that the steps of a whole log are, one for each run of equal trial numbers."""
+    """The trials that the steps of a whole log are, one for each run of equal trial numbers.
+
+    Raises:
+        RefusedError: one has a value that there is not.
+    """
     numbers = steps["trial"]
     firsts = np.flatnonzero(np.append(True, numbers[1:] != numbers[:-1])[: len(numbers)])
     trials = layout.blank(len(firsts))
     if len(firsts):
-        rewards = np.add.reduceat(steps["reward"].astype(np.float64), firsts)
+        with np.errstate(invalid="ignore", over="ignore"):  # others' rewards may be infinite
+            rewards = np.add.reduceat(steps["reward"].astype(np.float64), firsts)
         last_rows = np.append(firsts[1:], len(numbers)) - 1
         values = {
             "trial": numbers[firsts],
@@ -213,5 +188,8 @@ def _trials_of(steps: Columns, layout: Layout) -> Records:
             "goals": rewards,
         }
         for name in layout.fields:
-            trials[name] = values[name]
+            trials[name], is_right = fitted(values[name], values[name].dtype, trials.dtype[name])
+            if not is_right.all():
+                wrong = int(np.argmin(is_right))
+                raise impossible(TRIAL, numbers[firsts[wrong]], 0, name, values[name][wrong])
     return trials

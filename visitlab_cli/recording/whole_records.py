@@ -1,17 +1,17 @@
-"""The whole records of a damaged file: those whose bytes are what their content would be written as.
+"""The whole records of a damaged file: those whose parts fit in them, whose CRCs are right, and that others follow.
 
-After bytes that are no whole record the search goes on at the next place where one begins, whatever the lengths
+What follows the fields of a record, and records of an opcode that is not known, are what the format allows: both are
+whole. After bytes that are no whole record the search goes on at the next place where one begins, whatever the lengths
 in between say.
 """
 
 import re
-import struct
+from collections import deque
 from collections.abc import Iterator
+from typing import NamedTuple
 
-from mcap.data_stream import RecordBuilder
 from mcap.opcode import Opcode
 from mcap.records import (
-    Attachment,
     AttachmentIndex,
     Channel,
     Chunk,
@@ -27,16 +27,18 @@ from mcap.records import (
     SummaryOffset,
 )
 
-from visitlab_cli.recording.source import MAGIC, PREFIX, WINDOW, DamagedError, McapSource, Place, chunk_content
+from visitlab_cli.recording.attachments import CRC_SIZE, Attached, attached
+from visitlab_cli.recording.chunks import chunk_at, chunk_content, content_size, records_in
+from visitlab_cli.recording.foreign import MESSAGE_HEAD
+from visitlab_cli.recording.mcap_file import INDEX_ENTRY, INDEX_HEAD, record_bytes
+from visitlab_cli.recording.source import MAGIC, PREFIX, WINDOW, DamagedError, McapSource, Place
 
 KINDS: dict[int, type[McapRecord]] = {
     Opcode.HEADER: Header,
     Opcode.FOOTER: Footer,
     Opcode.SCHEMA: Schema,
     Opcode.CHANNEL: Channel,
-    Opcode.CHUNK: Chunk,
     Opcode.CHUNK_INDEX: ChunkIndex,
-    Opcode.ATTACHMENT: Attachment,
     Opcode.ATTACHMENT_INDEX: AttachmentIndex,
     Opcode.STATISTICS: Statistics,
     Opcode.METADATA: Metadata,
@@ -44,100 +46,159 @@ KINDS: dict[int, type[McapRecord]] = {
     Opcode.SUMMARY_OFFSET: SummaryOffset,
     Opcode.DATA_END: DataEnd,
 }
-MESSAGE_HEADER_SIZE = 22
-INDEX_HEADER, INDEX_ENTRY_SIZE = struct.Struct("<9xHI"), 16
 FOLLOWERS = 3
-OPCODES = frozenset(map(int, Opcode))
-CRC_SIZE = 4
-# A known opcode and a length below 2^40.
-_MAY_BEGIN = re.compile(rb"(?=[\x01-\x0f].{5}\x00\x00\x00)", re.DOTALL)
+ANOTHER_FILE = -1
+"""In the place of an opcode: here another file begins."""
+LOOK = 1 << 12
+MOST_SEARCHED = 1 << 30
+"""The search gives up once it has read so many bytes for nothing, and eight times the file's size: each look costs at
+least `LOOK`. Without it a file of nothing but beginnings of large records would take days."""
+# A known opcode and a length below 2^40, or another file.
+_MAY_BEGIN = re.compile(rb"[\x01-\x0f].{5}\x00\x00\x00|" + re.escape(MAGIC) + rb"\x01", re.DOTALL)
 
 
-def whole_records(source: McapSource) -> Iterator[tuple[Place, McapRecord | None]]:
-    """The whole records of a file in their order; messages and their indexes come unparsed, as None."""
-    position = len(MAGIC)
+class Whole(NamedTuple):
+    """A whole record: parsed, but for messages, their indexes and what is not known; the `content` of a chunk.
+
+    The place of a footer includes the magic behind it.
+    """
+
+    place: Place
+    record: McapRecord | Attached | None = None
+    content: bytes = b""
+
+
+def whole_records(source: McapSource) -> Iterator[Whole]:
+    """The whole records of a file in their order, up to its end or to `ANOTHER_FILE`."""
+    position = len(MAGIC) if source.read(0, len(MAGIC)) == MAGIC else 0
+    searching = 8 * source.size + MOST_SEARCHED
     while position < source.size:
         try:
-            place = source.place_at(position)
-            yield place, _parsed(source, place)
-            position = place.end
+            whole = _whole(source, _place(source, position))
         except DamagedError:
-            position = _next_whole(source, position + 1)
+            found, searching = _next_whole(source, position + 1, searching)
+            if found is None:
+                return
+            whole = found
+        position = whole.place.end
+        if whole.place.opcode == Opcode.FOOTER and source.read(position, position + len(MAGIC)) == MAGIC:
+            position += len(MAGIC)
+            whole = whole._replace(place=whole.place._replace(end=position))
+        yield whole
+        if whole.place.opcode == ANOTHER_FILE:
+            return
 
 
-def _next_whole(source: McapSource, position: int) -> int:
-    """Where the first whole record at or after `position` begins; the file's size if there is none.
+def _place(source: McapSource, position: int) -> Place:
+    """What begins at a position: a record or another file."""
+    if position and source.read(position, position + len(MAGIC)) == MAGIC:
+        header = source.place_at(position + len(MAGIC))
+        if header.opcode == Opcode.HEADER:
+            return Place(ANOTHER_FILE, position, position)
+    return source.place_at(position)
+
+
+def _next_whole(source: McapSource, position: int, searching: int) -> tuple[Whole | None, int]:
+    """The first whole record at or after `position`, None where there is none; and what is left of `searching`.
 
     Bytes of an index can look like a small record: only a chunk, which has a CRC, is believed by itself.
     """
     while position < source.size:
         window = source.read(position, position + WINDOW + PREFIX.size - 1)
-        for found in _MAY_BEGIN.finditer(window):
-            try:
-                place = source.place_at(position + found.start())
-                _parsed(source, place)
-            except DamagedError:
+        at = 0
+        while found := _MAY_BEGIN.search(window, at):
+            at = found.start() + 1
+            length = 0 if window[found.start()] == MAGIC[0] else PREFIX.unpack_from(window, found.start())[1]
+            if position + found.start() + length + PREFIX.size > source.size:
                 continue
-            if place.opcode == Opcode.CHUNK or _is_followed(source, place, FOLLOWERS):
-                return place.start
+            cost = LOOK
+            try:
+                place = _place(source, position + found.start())
+                cost += length + (content_size(source, place) if place.opcode == Opcode.CHUNK else 0)
+                if cost > searching:
+                    continue
+                whole = _whole(source, place)
+            except DamagedError:
+                searching -= cost
+                if searching < LOOK:
+                    return None, searching
+                continue
+            alone = Opcode.CHUNK, ANOTHER_FILE
+            if place.opcode in alone or _is_followed(source, place, FOLLOWERS):
+                return whole, searching
+            searching -= LOOK
         position += WINDOW
-    return source.size
+    return None, searching
 
 
 def _is_followed(source: McapSource, place: Place, count: int) -> bool:
     """Whether `count` records come after a place, or as many as the file still has."""
     for _ in range(count):
-        if place.end >= source.size - len(MAGIC):
+        if place.end >= source.size - len(MAGIC) or source.read(place.end, place.end + len(MAGIC)) == MAGIC:
             return True
         try:
             place = source.place_at(place.end)
         except DamagedError:
-            return False
-        if place.opcode not in OPCODES:
-            return False
+            return _is_cut(source, place.end)
     return True
 
 
-def _parsed(source: McapSource, place: Place) -> McapRecord | None:
-    """The record at a place, None where it is a message or an index of messages.
+def _is_cut(source: McapSource, position: int) -> bool:
+    """Whether what begins at a position is what a crash leaves there: the beginning of a record, or zeros."""
+    prefix = source.read(position, position + PREFIX.size)
+    is_record = _MAY_BEGIN.match(prefix) is not None and position + PREFIX.unpack(prefix)[1] + PREFIX.size > source.size
+    return is_record or not any(prefix)
+
+
+def _whole(source: McapSource, place: Place) -> Whole:
+    """The record at a place.
 
     Raises:
         DamagedError: it is not whole.
     """
-    if place.opcode in (Opcode.MESSAGE, Opcode.MESSAGE_INDEX):
-        is_whole = _is_message(source, place) if place.opcode == Opcode.MESSAGE else _is_index(source, place)
-        record = None
-    elif place.opcode in KINDS:
-        record = source.parse(KINDS[place.opcode], place)
-        is_whole = _is_written_so(record, source.read(place.start, place.end))
-    else:
-        is_whole = False
-    if not is_whole:
-        raise DamagedError(f"the record at byte {place.start:,} is damaged")
-    if isinstance(record, Chunk):
-        chunk_content(record, place)
-    return record
+    if place.opcode == ANOTHER_FILE:
+        return Whole(place)
+    whole, end = _parsed(source, place)
+    if end == place.end or (end < place.end and _is_followed(source, place, FOLLOWERS)):
+        return whole
+    shorter = Place(place.opcode, place.start, end)  # perhaps it is its length that is damaged
+    has_crc = isinstance(whole.record, Attached) or (isinstance(whole.record, Chunk) and whole.record.uncompressed_crc)
+    if place.start < end < place.end and (has_crc or _is_followed(source, shorter, FOLLOWERS)):
+        return whole._replace(place=shorter)
+    raise DamagedError(f"the record at byte {place.start:,} is damaged")
 
 
-def _is_message(source: McapSource, place: Place) -> bool:
-    """Whether a message is long enough, and followed by a record: nothing else is known of it."""
-    return place.end - place.start >= PREFIX.size + MESSAGE_HEADER_SIZE and _is_followed(source, place, 1)
+def _parsed(source: McapSource, place: Place) -> tuple[Whole, int]:
+    """The record at a place, and where its fields end.
 
-
-def _is_index(source: McapSource, place: Place) -> bool:
-    """Whether the length of an index is what its entries take."""
-    _, entries = INDEX_HEADER.unpack(source.read(place.start, place.start + INDEX_HEADER.size).ljust(INDEX_HEADER.size))
-    return bool(place.start + INDEX_HEADER.size + entries == place.end and entries % INDEX_ENTRY_SIZE == 0)
-
-
-def _is_written_so(record: McapRecord, data: bytes) -> bool:
-    """Whether `data` is how a record is written: lengths agree, and an attachment's CRC, where it has one."""
-    builder = RecordBuilder()
+    Raises:
+        DamagedError: it is not whole.
+    """
+    body = place.start + PREFIX.size
+    if place.opcode == Opcode.MESSAGE:
+        is_message = place.end - body >= MESSAGE_HEAD.size and _is_followed(source, place, 1)
+        return Whole(place), place.end if is_message else place.end + 1
+    if place.opcode == Opcode.MESSAGE_INDEX:
+        head = source.read(body, body + INDEX_HEAD.size).ljust(INDEX_HEAD.size, b"\1")
+        _, size = INDEX_HEAD.unpack(head)
+        return Whole(place), body + INDEX_HEAD.size + size if size % INDEX_ENTRY.itemsize == 0 else place.end + 1
+    if place.opcode == Opcode.CHUNK:
+        chunk = chunk_at(source, place)
+        content = chunk_content(chunk, place)
+        if not chunk.uncompressed_crc:
+            deque(records_in(content), maxlen=0)  # each is whole: nothing else tells
+        head_size = len(record_bytes(Chunk(chunk.compression, b"", 0, 0, 0, 0)))
+        return Whole(place, chunk, content), place.start + head_size + len(chunk.data)
+    if place.opcode == Opcode.ATTACHMENT:
+        attachment = attached(source, place)
+        return Whole(place, attachment), attachment.end + CRC_SIZE
+    if place.opcode not in KINDS:
+        return Whole(place), place.start  # its fields are not known: others must follow
+    record = source.parse(KINDS[place.opcode], place)
     try:
-        record.write(builder)
-    except OverflowError:
-        return False
-    written: bytes = builder.end()  # type: ignore[no-untyped-call]
-    if isinstance(record, Attachment) and not any(data[-CRC_SIZE:]):
-        return written[:-CRC_SIZE] == data[:-CRC_SIZE]
-    return written == data
+        written = record_bytes(record)
+    except OverflowError as error:
+        raise DamagedError(f"the record at byte {place.start:,} is damaged") from error
+    fields = written[PREFIX.size :]
+    has_more = source.read(body, body + len(fields)) != fields  # such as a map in two parts
+    return Whole(place, record), place.start if has_more else body + len(fields)

@@ -7,11 +7,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import yaml
-from mcap.exceptions import McapError
-from mcap.reader import make_reader
 
 from visitlab_cli.errors import RunError, VisitlabError
-from visitlab_cli.recording.reader import check_values, read_metadata, read_trial
+from visitlab_cli.recording.reader import check_values, read_attachment, read_metadata, read_trial
 from visitlab_cli.recording.schema import CONFIG_NAME
 from visitlab_cli.storage.arrays import read_model
 from visitlab_cli.storage.cell_folder import MODEL
@@ -119,10 +117,7 @@ def _learned(path: Path, task: str) -> Values | None:
 def _config(path: Path) -> dict[str, Any]:
     """The config that the log carries; empty where another program wrote the log."""
     try:
-        with path.open("rb") as file:
-            for attachment in make_reader(file).iter_attachments():
-                if attachment.name == CONFIG_NAME:
-                    return dict(yaml.safe_load(attachment.data))
-    except (McapError, yaml.YAMLError, OSError, ValueError, TypeError) as error:
+        content = read_attachment(path, CONFIG_NAME)
+        return {} if content is None else dict(yaml.safe_load(content))
+    except (yaml.YAMLError, ValueError, TypeError, RecursionError) as error:
         raise RunError(f"{path}: its {CONFIG_NAME} is damaged: {str(error).splitlines()[0]}") from error
-    return {}

@@ -8,7 +8,7 @@ import numpy as np
 
 from visitlab_cli.analysis.summary_groups import Group
 from visitlab_cli.execution.cells import Cell
-from visitlab_cli.recording.reader import read_trial
+from visitlab_cli.recording.reader import check_values, read_trial
 from visitlab_cli.report.names import BETWEEN, settings_of, short_paths
 from visitlab_cli.storage.arrays import read_trials
 from visitlab_cli.storage.cell_folder import STEPS, TRIALS, read_cell
@@ -64,7 +64,10 @@ def _best_of(run: Path, group: Group, short: Mapping[str, str]) -> list[dict[str
         return []
     reward, number, cell = best
     name = BETWEEN.join((f"{group.experiment}/{group.human}", *settings_of(group, short)))
-    return [_plain(name, cell, number, reward, read_trial(run / cell.path / STEPS, number))]
+    log = run / cell.path / STEPS
+    steps = read_trial(log, number)
+    check_values(log, steps)
+    return [_plain(name, cell, number, reward, steps)]
 
 
 def _plain(name: str, cell: Cell, number: int, reward: float, whole: Steps) -> dict[str, Any]:
