@@ -11,7 +11,16 @@ import zstandard
 from mcap.opcode import Opcode
 from mcap.records import Channel, Chunk, Schema
 
-from visitlab_cli.recording.source import NO_OPCODE, PARSE_ERRORS, PREFIX, DamagedError, ExactStream, McapSource, Place
+from visitlab_cli.recording.source import (
+    MAX_RECORD,
+    NO_OPCODE,
+    PARSE_ERRORS,
+    PREFIX,
+    DamagedError,
+    ExactStream,
+    McapSource,
+    Place,
+)
 
 MAX_CONTENT = 1 << 28
 """The largest chunk that is read, in bytes: a size that is damaged, or made up, must not fill the memory."""
@@ -105,6 +114,8 @@ def definition_in(content: bytes, record: Record) -> Schema | Channel | None:
         return None
     kind = Schema if record.opcode == Opcode.SCHEMA else Channel
     try:
+        if record.end - record.body > MAX_RECORD:
+            raise ValueError("too large")
         definition: Schema | Channel = kind.read(ExactStream(io.BytesIO(content[record.body : record.end])))
     except PARSE_ERRORS as error:
         raise DamagedError(f"a {kind.__name__} in a chunk is damaged") from error

@@ -21,7 +21,6 @@ from visitlab_cli.recording.source import MAGIC, DamagedError, McapSource, NotMc
 from visitlab_cli.whole_file import new_file
 
 SUFFIX = ".recovered.mcap"
-NO_LOG = "what is whole of it is no log"
 
 
 @dataclass(frozen=True)
@@ -102,15 +101,17 @@ def _one(file: BinaryIO, first: int, path: Path, beside: Path) -> tuple[Recovere
         source = McapSource(file, first, first + salvage.end)  # its summary is at the end of its own bytes
         salvage = _salvage(source, beside)
     count = _count(beside)
-    if isinstance(count, str) and not salvage.was_whole and salvage.has_messages:
+    is_damaged = isinstance(count, DamagedError) or not salvage.was_whole
+    if isinstance(count, Exception) and is_damaged and salvage.has_messages:
         salvage = _salvage(source, beside, each_message=True)
         count = _count(beside)
     end = first + source.size
-    if isinstance(count, str) and salvage.was_whole:
-        why = "it is no log of visitlab" if count == NO_LOG else count
+    if isinstance(count, Exception) and salvage.was_whole:
+        why = "it is no log of visitlab" if isinstance(count, NotMcapError) else count
         raise _NothingError(f"is whole, there is nothing to recover: {why}", end)
-    if isinstance(count, str):
-        raise _NothingError(f"nothing in it can be saved: {count}{too_short(source)}", end)
+    if isinstance(count, Exception):
+        why = "what is whole of it is no log" if isinstance(count, NotMcapError) else count
+        raise _NothingError(f"nothing in it can be saved: {why}{too_short(source)}", end)
     if salvage.was_whole:
         with beside.open("wb") as copy:
             copy.writelines(source.windows(0, source.size))
@@ -137,14 +138,12 @@ def _header(source: McapSource) -> Header:
         return HEADER
 
 
-def _count(path: Path) -> tuple[int, int, int] | str:
+def _count(path: Path) -> tuple[int, int, int] | NotMcapError | DamagedError | RefusedError:
     """The steps, whole trials and parts of trials of a log, or why it cannot be read as one."""
     try:
         return _counted(path)
-    except NotMcapError:
-        return NO_LOG
-    except (DamagedError, RefusedError) as error:
-        return str(error)
+    except (NotMcapError, DamagedError, RefusedError) as error:
+        return error
 
 
 def _counted(path: Path) -> tuple[int, int, int]:
