@@ -20,15 +20,15 @@ from visitlab_cli.recording.lookup import Found, looked_up, searched
 from visitlab_cli.recording.schema import ONE_TRIAL_IN, TRIAL
 from visitlab_cli.world.columns import COLUMNS
 from visitlab_cli.world.enums import N_DISTANCES
-from visitlab_cli.world.lab import LAB_SIZE, N_ROOMS
-from visitlab_cli.world.tasks import TASK_SIZES
+from visitlab_cli.world.lab import LAB_SIZE, N_ROOMS, paper_lab
+from visitlab_cli.world.tasks import TASKS
 
 Columns = dict[str, npt.NDArray[np.generic]]
 
 PLACES = ("robot_row", "robot_col", "human_row", "human_col")
 LARGEST_ARENA = 10_000
 """The largest side of a square world that a config may have, in cells."""
-MOST_STATES = max(states for states, _ in TASK_SIZES.values())
+MOST_STATES = max(task.size(paper_lab()).n_states for task in TASKS.values())
 _LOG_TIME = "log_time"
 _TRIAL_PARTS = ("trial", "step", "reward", _LOG_TIME)
 
