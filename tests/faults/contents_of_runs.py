@@ -140,7 +140,7 @@ PLACES = (
 @fault(
     "links",
     "a link that leads out of the run, in place of a cell, a folder or a file: nothing outside is touched",
-    24,
+    18,
     2,
 )
 def links(this: Try) -> None:

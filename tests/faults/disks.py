@@ -115,10 +115,10 @@ def locks(this: Try) -> None:
     numbers = (errno.ENOLCK, errno.EOPNOTSUPP, errno.ENOSYS, errno.EINVAL, errno.EACCES, errno.EIO)
     env = {"LD_PRELOAD": this.bench.surroundings, "FAULTS_LOCKS": str(numbers[this.index % len(numbers)])}
     done = this.run(out, "--workers", this.random.choice([1, 2]), env=env)
-    this.told(done, 0)
-    lines = [line for line in done.stderr.splitlines() if "lock" in line]
-    this.wrong += [f"told {len(lines)} times that nothing can be locked"] * (len(lines) != 1)
-    this.whole(out)
+    if this.told(done, 0):
+        lines = [line for line in done.stderr.splitlines() if "lock" in line]
+        this.wrong += [f"told {len(lines)} times that nothing can be locked"] * (len(lines) != 1)
+        this.whole(out)
 
 
 @fault("clock", "the clock jumps ahead and back, by an hour or ten years, twice a second", 6, 1, ["compiler"])
@@ -129,8 +129,8 @@ def clock(this: Try) -> None:
     done = this.run(out, "--workers", this.random.choice([1, 2]), env=env)
     this.told(done, 0)
     this.told(this.bench.wait(first), 0)
-    this.told(this.visitlab("runs", "list", "--out", out, env=env), 0)
-    this.whole(out)
+    if this.told(this.visitlab("runs", "list", "--out", out, env=env), 0):
+        this.whole(out)
 
 
 def cache_folder(this: Try) -> Path:
@@ -167,8 +167,8 @@ def cache_damaged(this: Try) -> None:
     for file in this.random.sample(files, this.random.randrange(1, len(files) + 1)):
         this.edit(file, lambda data: damage(data, this))
     env = {"VISITLAB_CACHE": str(cache)}
-    this.told(this.run(out, "--workers", this.random.choice([1, 2]), env=env), 0)
-    this.whole(out)
+    if this.told(this.run(out, "--workers", this.random.choice([1, 2]), env=env), 0):
+        this.whole(out)
 
 
 @fault("cache-full", "the folder of compiled code has no inodes, or is full, while it is written", 4, 0, ["mount"])
@@ -183,8 +183,8 @@ def cache_full(this: Try) -> None:
         out = this.folder / "runs"
         if this.index % 2:
             this.told(this.visitlab("optimum", env=env), 0)
-        this.told(this.run(out, env=env), 0)
-        this.whole(out)
+        if this.told(this.run(out, env=env), 0):
+            this.whole(out)
 
 
 @fault("cache-foreign", "the folder of compiled code is another's, others may write it, or it is none", 4)
@@ -207,9 +207,9 @@ def cache_foreign(this: Try) -> None:
             os.chown(folder, 12345, 12345)
         else:
             folder.chmod(0o777)
-    this.told(this.run(out, env={"VISITLAB_CACHE": str(cache)}), 0)
+    if this.told(this.run(out, env={"VISITLAB_CACHE": str(cache)}), 0):
+        this.whole(out)
     this.wrong += ["a pickle of another's cache was run"] * marker.exists()
-    this.whole(out)
 
 
 @fault("unreadable", "a file of a run can't be read (a broken disk gives EIO; here a folder lies in its place)", 6, 1)

@@ -40,7 +40,7 @@ def hostile_json(this: Try, document: object) -> object:
 @fault(
     "hostile-json",
     "cell.json, timing.json, versions.json of a colleague: any value of any kind, deep, long, repeated",
-    16,
+    12,
     1,
 )
 def hostile_jsons(this: Try) -> None:
@@ -83,7 +83,7 @@ def hostile_array(this: Try, values: np.ndarray) -> np.ndarray:
 @fault(
     "hostile-models",
     "model.npz or trials.parquet of a colleague, with right hashes: impossible values, shapes, kinds",
-    20,
+    16,
     2,
 )
 def hostile_models(this: Try) -> None:
@@ -128,7 +128,7 @@ def hostile_table(this: Try, file: Path) -> None:
 @fault(
     "markup",
     "escape sequences, <script> and formulas in names and files of a run reach no terminal, page or table",
-    8,
+    4,
     1,
 )
 def markup(this: Try) -> None:

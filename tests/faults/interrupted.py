@@ -60,8 +60,8 @@ def killed_worker(this: Try) -> None:
         else:
             this.count = 0
     done = this.bench.wait(program)
-    this.told(done, 0)
-    this.whole(out)
+    if this.told(done, 0):
+        this.whole(out)
 
 
 @fault("killed-server", "kill -9 of what starts the workers, or of what cleans up after them", 8, 0, ["linux"])
@@ -134,8 +134,8 @@ def stopped(this: Try) -> None:
     os.killpg(program.pid, signal.SIGSTOP)
     time.sleep(1)
     os.killpg(program.pid, signal.SIGCONT)
-    this.told(this.bench.wait(program), 0)
-    this.whole(out)
+    if this.told(this.bench.wait(program), 0):
+        this.whole(out)
 
 
 def working_on(main: int, name: str) -> int:
@@ -314,5 +314,5 @@ def folder_vanishes(this: Try) -> None:
 @fault("workers", "1, 2, 3 and 8 workers: the same bytes", 4)
 def workers(this: Try) -> None:
     out = this.folder / "runs"
-    this.told(this.run(out, "--workers", [8, 1, 3, 2][this.index % 4]), 0)
-    this.whole(out)
+    if this.told(this.run(out, "--workers", [8, 1, 3, 2][this.index % 4]), 0):
+        this.whole(out)
