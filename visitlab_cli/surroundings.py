@@ -6,6 +6,7 @@ in; nor do settings in the current folder, where matplotlib and numba look first
 
 import contextlib
 import importlib.util
+import locale
 import logging
 import os
 import re
@@ -71,9 +72,23 @@ def shut_out() -> None:
         folder = os.environ.get(name, "")
         if not os.path.isabs(folder) or len(os.fsencode(folder)) > LONGEST_TEMPORARY:
             os.environ.pop(name, None)
+    if not _speaks():  # what we start would complain
+        for name in [name for name in os.environ if name.startswith(("LANG", "LC_"))]:
+            del os.environ[name]
     sys.warnoptions.clear()  # which workers would inherit
     warnings.simplefilter("ignore")  # what concerns the user we say ourselves
     logging.disable(logging.CRITICAL)
+
+
+def _speaks() -> bool:
+    """Whether the user's language is installed; ours stays as it is."""
+    before = locale.setlocale(locale.LC_ALL)
+    try:
+        locale.setlocale(locale.LC_ALL, "")
+    except locale.Error:
+        return False
+    locale.setlocale(locale.LC_ALL, before)
+    return True
 
 
 @contextlib.contextmanager
