@@ -2,7 +2,10 @@
 
 import pytest
 
+from tests.paper_runs import crossed_run, paper_run
 from tests.program import TINY, the_run, visitlab
+
+__all__ = ["crossed_run", "paper_run"]
 
 
 @pytest.fixture(scope="session")

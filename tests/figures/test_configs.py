@@ -2,7 +2,7 @@
 
 import pytest
 
-from tests.figures.conftest import CONFIGS
+from tests.paper_runs import CONFIGS
 from visitlab_cli.config.canonical import dump_yaml
 from visitlab_cli.config.loading import load, load_text
 from visitlab_cli.execution.cells import plan

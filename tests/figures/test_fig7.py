@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.figures.conftest import SEEDS
+from tests.paper_runs import SEEDS
 from visitlab_cli.analysis.exact_navigation import navigation_optimal_q
 from visitlab_cli.figures.fig7 import EXAMPLE_ROOM, LEARNERS, distances, draw_fig7, ratios
 from visitlab_cli.figures.source import open_source

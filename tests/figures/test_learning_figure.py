@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.figures.conftest import CONFIGS, SEEDS, UNTIL
+from tests.paper_runs import CONFIGS, SEEDS, UNTIL
 from visitlab_cli.analysis.exact_navigation import navigation_optimum, navigation_random
 from visitlab_cli.config.loading import load
 from visitlab_cli.execution.cells import plan

@@ -12,8 +12,8 @@ from visitlab_cli.commands.options import RUNS, At, Json, Out, Run
 from visitlab_cli.terminal import tell, tell_json, tell_text
 
 if TYPE_CHECKING:
-    from visitlab_cli.analysis.affordances import Affordances, Graph
-    from visitlab_cli.analysis.affordances_json import Weight
+    from visitlab_cli.affordances.learned import Affordances, Graph
+    from visitlab_cli.affordances.plain import Weight
 
 
 def command(
@@ -39,8 +39,8 @@ def command(
 
     --json has every action and level, and where it would go around the human.
     """
-    from visitlab_cli.analysis.affordances import affordances
-    from visitlab_cli.analysis.affordances_json import as_json as to_json
+    from visitlab_cli.affordances.learned import affordances
+    from visitlab_cli.affordances.plain import as_json as to_json
     from visitlab_cli.execution.cells import plan
     from visitlab_cli.execution.selection import Selection
     from visitlab_cli.storage.run_folder import find_run, read_config
@@ -48,7 +48,7 @@ def command(
     folder = find_run(run, out)
     found = affordances(folder, plan(read_config(folder)), Selection(experiment, human, agent, seed, tuple(at or ())))
     if picture is not None:
-        from visitlab_cli.figures.affordance_picture import save_affordances
+        from visitlab_cli.affordances.picture import save_affordances
 
         save_affordances(found, picture)
         tell_json({"run": str(folder), "file": str(picture)}, None) if as_json else tell(str(picture))
@@ -74,7 +74,7 @@ def _text(found: "Affordances") -> str:
 
 
 def _table(graphs: "dict[str, Graph]") -> str:
-    from visitlab_cli.analysis.affordances_json import ARROWS, OUTCOMES, weight
+    from visitlab_cli.affordances.plain import ARROWS, OUTCOMES, weight
 
     rows = [["action", "level", "level next", *graphs, "true"]]
     for arrow in ARROWS:

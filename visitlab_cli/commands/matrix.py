@@ -22,7 +22,7 @@ def check_options(*, matrix: bool, frozen: bool, picture: Path | None) -> None:
     Raises:
         UsageError: they do not go together, or the picture has no format.
     """
-    from visitlab_cli.figures.style import FORMATS
+    from visitlab_cli.pictures.style import FORMATS
 
     if matrix and frozen:
         raise UsageError("--matrix plays both frozen and adapting; leave out --frozen")

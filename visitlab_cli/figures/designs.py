@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from visitlab_cli.figures.panel import CHANCE, SCRIPT
-from visitlab_cli.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION
+from visitlab_cli.pictures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION
 
 
 class Condition(NamedTuple):

@@ -13,7 +13,7 @@ from visitlab_cli.figures.curves import learning_curve
 from visitlab_cli.figures.designs import Condition, Design
 from visitlab_cli.figures.panel import CHANCE, OPTIMUM, Line, Panel, Reference
 from visitlab_cli.figures.source import Group, Source
-from visitlab_cli.figures.style import GREY
+from visitlab_cli.pictures.style import GREY
 
 BATCHES, VISIT_BATCHES = 100, 50  # as published
 SETTLED = 4

@@ -7,7 +7,7 @@ from visitlab_cli.figures.drawing import Drawing
 from visitlab_cli.figures.learning import panel_of
 from visitlab_cli.figures.panel import draw_key, draw_panel
 from visitlab_cli.figures.source import Source
-from visitlab_cli.figures.style import PAGE
+from visitlab_cli.pictures.style import PAGE
 
 COLUMNS = 2
 PANEL_HEIGHT, KEY_HEIGHT = 2.5, 0.5  # inches

@@ -10,7 +10,7 @@ from visitlab_cli.figures.fig7 import draw_fig7
 from visitlab_cli.figures.fig9 import Strip, draw_fig9
 from visitlab_cli.figures.learning_figure import draw_fig6, draw_fig8
 from visitlab_cli.figures.source import Source, open_source
-from visitlab_cli.figures.style import FORMATS, STRIP_STYLE, STYLE, save, styled
+from visitlab_cli.pictures.style import FORMATS, STRIP_STYLE, STYLE, save, styled
 
 FOLDER = "figures"
 DRAW: dict[str, Callable[[Source], Drawing]] = {"fig6": draw_fig6, "fig7": draw_fig7, "fig8": draw_fig8}

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from visitlab_cli.analysis.published_curves import PublishedCurve
 from visitlab_cli.figures.curves import Curve
-from visitlab_cli.figures.style import GREY, INK, SMALL
+from visitlab_cli.pictures.style import GREY, INK, SMALL
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -4,16 +4,16 @@ from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
 
-from visitlab_cli.analysis.affordances import affordances
+from visitlab_cli.affordances.learned import affordances
+from visitlab_cli.affordances.picture import save_affordances
 from visitlab_cli.errors import NotFoundError, UsageError
-from visitlab_cli.figures.affordance_picture import save_affordances
 from visitlab_cli.figures.fig9 import Strip
 from visitlab_cli.figures.learning_figure import draw_visit
 from visitlab_cli.figures.making import make_figures
 from visitlab_cli.figures.page import text
 from visitlab_cli.figures.page.evidence import Evidence
 from visitlab_cli.figures.source import open_source
-from visitlab_cli.figures.style import STYLE, save, styled, write
+from visitlab_cli.pictures.style import STYLE, save, styled, write
 
 IMAGES = "images/reproduction"
 KIND = "svg"

@@ -2,8 +2,8 @@
 
 import pytest
 
-from visitlab_cli.figures.style import STYLE, styled
-from visitlab_cli.figures.words import fitting, height_of, in_lines, width_of
+from visitlab_cli.pictures.style import STYLE, styled
+from visitlab_cli.pictures.words import fitting, height_of, in_lines, width_of
 
 LONG = "teenager_who_is_slow_and_very_distractible_and_needs_pointing_64"
 

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from visitlab_cli.analysis.affordance_counts import KINDS, Kind
+from visitlab_cli.affordances.counts import KINDS, Kind
 from visitlab_cli.humans.six_parameters import SixParameters
 from visitlab_cli.random_numbers import random_state
 from visitlab_cli.world.enums import (

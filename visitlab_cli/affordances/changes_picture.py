@@ -3,10 +3,10 @@
 import math
 from typing import TYPE_CHECKING, Any
 
-from visitlab_cli.analysis.affordances import Adaptation, Affordances, Graph
-from visitlab_cli.analysis.affordances_json import ARROWS, Arrow, weight
-from visitlab_cli.figures.affordance_graph import KIND_NAMES
-from visitlab_cli.figures.style import BLUE, GREY, INK, SMALL, VERMILION
+from visitlab_cli.affordances.graph_picture import KIND_NAMES
+from visitlab_cli.affordances.learned import Adaptation, Affordances, Graph
+from visitlab_cli.affordances.plain import ARROWS, Arrow, weight
+from visitlab_cli.pictures.style import BLUE, GREY, INK, SMALL, VERMILION
 from visitlab_cli.story import LEVEL_NAMES
 
 if TYPE_CHECKING:

@@ -8,13 +8,13 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from visitlab_cli.analysis.affordances import Affordances
+from visitlab_cli.affordances.changes_picture import draw_changes
+from visitlab_cli.affordances.graph_picture import HEIGHT, WIDTH, draw_graph
+from visitlab_cli.affordances.learned import Affordances
+from visitlab_cli.affordances.maps_picture import draw_map, key
 from visitlab_cli.errors import UsageError
-from visitlab_cli.figures.affordance_changes import draw_changes
-from visitlab_cli.figures.affordance_graph import HEIGHT, WIDTH, draw_graph
-from visitlab_cli.figures.affordance_maps import draw_map, key
-from visitlab_cli.figures.style import FORMATS, GREY, INK, PAGE, SMALL, STYLE, save, styled
-from visitlab_cli.figures.words import fitting, height_of, in_lines
+from visitlab_cli.pictures.style import FORMATS, GREY, INK, PAGE, SMALL, STYLE, save, styled
+from visitlab_cli.pictures.words import fitting, height_of, in_lines
 from visitlab_cli.story import LEVEL_NAMES
 from visitlab_cli.world.enums import N_LEVELS
 

@@ -6,7 +6,7 @@ import pytest
 
 from tests.program import the_run, visitlab
 
-CONFIGS = Path(__file__).parents[2] / "configs"
+CONFIGS = Path(__file__).parents[1] / "configs"
 SEEDS = 2
 SMALL = [
     f"seeds={SEEDS}",

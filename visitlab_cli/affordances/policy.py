@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from visitlab_cli.analysis.affordance_counts import Ints, parts_of
+from visitlab_cli.affordances.counts import Ints, parts_of
 from visitlab_cli.world.enums import N_DIRECTIONS, N_DISTANCES, N_LEVELS, N_MOVES, N_SOCIAL_ACTIONS
 
 UNSEEN = -1

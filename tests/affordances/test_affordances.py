@@ -7,11 +7,11 @@ import pytest
 
 from tests.oracle.tally import z_score
 from tests.world.package_log import HUMAN, package_log
-from visitlab_cli.analysis.affordance_counts import KINDS, Kind, count_levels, kind_of, learned_counts, parts_of
-from visitlab_cli.analysis.affordance_policy import UNSEEN, policy_map
-from visitlab_cli.analysis.affordance_truth import FIRST_ENGAGED, true_transitions
-from visitlab_cli.analysis.affordances import affordances, graph
-from visitlab_cli.analysis.affordances_json import ARROWS, as_json, weight
+from visitlab_cli.affordances.counts import KINDS, Kind, count_levels, kind_of, learned_counts, parts_of
+from visitlab_cli.affordances.learned import affordances, graph
+from visitlab_cli.affordances.plain import ARROWS, as_json, weight
+from visitlab_cli.affordances.policy import UNSEEN, policy_map
+from visitlab_cli.affordances.truth import FIRST_ENGAGED, true_transitions
 from visitlab_cli.errors import NotFoundError
 from visitlab_cli.execution.cells import plan
 from visitlab_cli.execution.selection import Selection

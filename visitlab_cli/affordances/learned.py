@@ -7,9 +7,9 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from visitlab_cli.analysis.affordance_counts import Ints, learned_counts
-from visitlab_cli.analysis.affordance_policy import PolicyMap, policy_map
-from visitlab_cli.analysis.affordance_truth import FIRST_ENGAGED, Truth, true_transitions
+from visitlab_cli.affordances.counts import Ints, learned_counts
+from visitlab_cli.affordances.policy import PolicyMap, policy_map
+from visitlab_cli.affordances.truth import FIRST_ENGAGED, Truth, true_transitions
 from visitlab_cli.config.experiments import SocialTraining, Visit
 from visitlab_cli.errors import NotFoundError, RunError
 from visitlab_cli.execution.cells import Cell

@@ -5,15 +5,15 @@ import dataclasses
 import numpy as np
 import pytest
 
-from tests.figures.within import outside, upon_another, words_of
-from visitlab_cli.analysis.affordance_policy import UNSEEN
-from visitlab_cli.analysis.affordances import affordances
-from visitlab_cli.analysis.affordances_json import ARROWS, weight
+from tests.pictures.within import outside, upon_another, words_of
+from visitlab_cli.affordances.learned import affordances
+from visitlab_cli.affordances.maps_picture import colour_of
+from visitlab_cli.affordances.picture import draw_affordances, save_affordances
+from visitlab_cli.affordances.plain import ARROWS, weight
+from visitlab_cli.affordances.policy import UNSEEN
 from visitlab_cli.errors import RunError, UsageError
 from visitlab_cli.execution.cells import plan
-from visitlab_cli.figures.affordance_maps import colour_of
-from visitlab_cli.figures.affordance_picture import draw_affordances, save_affordances
-from visitlab_cli.figures.style import STYLE, styled
+from visitlab_cli.pictures.style import STYLE, styled
 from visitlab_cli.storage.run_folder import read_config
 from visitlab_cli.world.enums import N_LEVELS, N_MOVES
 

@@ -3,10 +3,10 @@
 import math
 from typing import Any, NamedTuple
 
-from visitlab_cli.analysis.affordance_counts import KINDS, Kind
-from visitlab_cli.analysis.affordance_policy import UNSEEN, PolicyMap
-from visitlab_cli.analysis.affordance_truth import NOT_ENGAGED
-from visitlab_cli.analysis.affordances import Affordances, Graph
+from visitlab_cli.affordances.counts import KINDS, Kind
+from visitlab_cli.affordances.learned import Affordances, Graph
+from visitlab_cli.affordances.policy import UNSEEN, PolicyMap
+from visitlab_cli.affordances.truth import NOT_ENGAGED
 from visitlab_cli.world.enums import N_DIRECTIONS, N_MOVES, Action, InteractionLevel
 
 OUTCOMES = (*(level.name for level in InteractionLevel), "NOT_ENGAGED")

@@ -3,10 +3,10 @@
 import math
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from visitlab_cli.analysis.affordance_truth import NOT_ENGAGED
-from visitlab_cli.analysis.affordances import Graph
-from visitlab_cli.analysis.affordances_json import ARROWS, Arrow, Weight, weight
-from visitlab_cli.figures.style import GREY, INK, SMALL
+from visitlab_cli.affordances.learned import Graph
+from visitlab_cli.affordances.plain import ARROWS, Arrow, Weight, weight
+from visitlab_cli.affordances.truth import NOT_ENGAGED
+from visitlab_cli.pictures.style import GREY, INK, SMALL
 from visitlab_cli.story import ACTION_COLOURS, ACTION_KINDS, CALLS, GOES, LEVEL_NAMES, LOOKS, MOVES, POINTS, SAYS_HELLO
 from visitlab_cli.world.enums import InteractionLevel
 

@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from visitlab_cli.analysis.affordance_policy import UNSEEN, PolicyMap
-from visitlab_cli.figures.style import INK
+from visitlab_cli.affordances.policy import UNSEEN, PolicyMap
+from visitlab_cli.pictures.style import INK
 from visitlab_cli.story import ACTION_COLOURS, ACTION_KINDS, HUMAN, action_kind
 from visitlab_cli.world.enums import N_DIRECTIONS, N_DISTANCES, N_MOVES
 from visitlab_cli.world.geometry import is_appropriate
