@@ -87,7 +87,7 @@ def stock_seconds(path: Path) -> float:
 def as_recording(path: Path, trial: int) -> bytes:
     """What `visitlab replay --save` writes, imports aside."""
     from visitlab_cli.replay.recording import record
-    from visitlab_cli.replay.trial import load_trial
+    from visitlab_cli.scene.trial import load_trial
 
     return record(load_trial(path, trial))
 

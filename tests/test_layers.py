@@ -24,7 +24,7 @@ FLOORS = [
     {"execution"},
     {"analysis"},
     {"door"},
-    {"story", "pictures"},
+    {"scene", "pictures"},
     {"affordances"},
     {"figures", "replay", "report"},
     {"commands"},

@@ -10,7 +10,7 @@ from tests.program import visitlab
 from visitlab_cli.recording.reader import read_trial
 from visitlab_cli.recording.tables import names_of
 from visitlab_cli.replay.choice import CHOOSE
-from visitlab_cli.story import LEVEL_NAMES, captions, direction_name, room_name
+from visitlab_cli.scene.words import LEVEL_NAMES, captions, direction_name, room_name
 
 CELL = "visit/fast/seed-0000"
 

@@ -4,7 +4,7 @@ import pytest
 
 from visitlab_cli.execution.selection import Selection
 from visitlab_cli.replay.choice import find_logs
-from visitlab_cli.replay.trial import load_trial
+from visitlab_cli.scene.trial import load_trial
 
 CELLS = {
     "navigation": Selection(experiment="navigation", agent="rmax"),

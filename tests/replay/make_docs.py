@@ -10,8 +10,9 @@ from pathlib import Path
 from tests.program import the_run, visitlab
 from visitlab_cli.replay.picture import save_picture
 from visitlab_cli.replay.strip import save_strip
-from visitlab_cli.replay.trial import Trial, load_trial
-from visitlab_cli.story import SEEN, caption, facts
+from visitlab_cli.scene.moments import SEEN, facts
+from visitlab_cli.scene.trial import Trial, load_trial
+from visitlab_cli.scene.words import caption
 
 DOCS = Path(__file__).parents[2] / "docs"
 PAGE, PICTURE, STRIP = DOCS / "replay.md", DOCS / "images" / "replay.png", DOCS / "images" / "strip.png"

@@ -3,9 +3,9 @@
 import numpy as np
 from PIL import Image
 
-from visitlab_cli.replay.actors import REACH
-from visitlab_cli.replay.lab import GOAL_FLOOR, WALL
-from visitlab_cli.story import FLOOR, GESTURES, HUMAN, ROBOT
+from visitlab_cli.scene.colours import FLOOR, GOAL_FLOOR, HUMAN, ROBOT, WALL
+from visitlab_cli.scene.sight import REACH
+from visitlab_cli.scene.words import GESTURES
 
 LIKE = 14
 """Largest difference of a channel from a colour, for what is drawn on a screen with smooth edges."""

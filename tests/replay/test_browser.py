@@ -10,7 +10,7 @@ import pytest
 from tests.browser import needs_browser, opened
 from tests.program import start
 from tests.replay.pixels import assert_shows, goal_is_in_sight, shows_a_goal_room
-from visitlab_cli.replay.trial import load_trial
+from visitlab_cli.scene.trial import load_trial
 
 LISTENS, LOOPBACK = "0A", "0100007F"
 WITHIN = 120.0

@@ -12,7 +12,7 @@ from tests.replay.make_docs import (
     facts_of,
     run_quickstart,
 )
-from visitlab_cli.story import FACTS, facts, moments, strip_steps
+from visitlab_cli.scene.moments import FACTS, facts, moments, strip_steps
 
 LARGEST_PICTURE = 400_000
 LINES_IN_PICTURE = 11

@@ -8,11 +8,15 @@ import pyarrow
 import pytest
 from rerun.chunk import RrdReader
 
+from visitlab_cli.replay.drawing import GOAL_ROOM
 from visitlab_cli.replay.program import program
 from visitlab_cli.replay.recording import record
-from visitlab_cli.replay.trial import load_trial
+from visitlab_cli.scene.moments import moments
+from visitlab_cli.scene.scene import ASIDE, Scene
+from visitlab_cli.scene.sight import FACES, NOTHING, SEES
+from visitlab_cli.scene.trial import load_trial
+from visitlab_cli.scene.words import GESTURES, LEVEL_NAMES, captions, option_name
 from visitlab_cli.storage.arrays import read_model
-from visitlab_cli.story import GESTURES, LEVEL_NAMES, captions, moments, option_name
 from visitlab_cli.world import columns as parts
 from visitlab_cli.world.tasks import TASK_NAMES, tasks_with
 
@@ -73,7 +77,8 @@ def test_positions_and_headings(recorded):
         if who == "human" and trial.task == "navigation":
             continue
         places = np.array(columns[f"/{who}/place", "Points2D:positions"])[:, 0]
-        np.testing.assert_array_equal(places[:, 0], steps[f"{who}_col"] + 0.5)
+        aside = np.array([ASIDE[who] * Scene(trial).share_a_cell(step) for step in range(trial.length)])
+        np.testing.assert_allclose(places[:, 0], steps[f"{who}_col"] + 0.5 + aside, rtol=0, atol=1e-5)
         np.testing.assert_array_equal(places[:, 1], steps[f"{who}_row"] + 0.5)
         arrows = np.array(columns[f"/{who}/heading", "Arrows2D:vectors"])[:, 0]
         turned = np.arctan2(-arrows[:, 1], arrows[:, 0]) / (np.pi / 4) % 8
@@ -124,8 +129,8 @@ def test_the_goal_room_is_coloured(recorded):
         cells = np.frombuffer(bytes(buffer[0]), np.uint8).reshape(24, 24)
         row, col = divmod(int(goal), 3)
         inside = cells[8 * row : 8 * row + 8, 8 * col : 8 * col + 8]
-        assert (inside == 1).all()
-        assert (cells == 1).sum() == 64
+        assert (inside == GOAL_ROOM).all()
+        assert (cells == GOAL_ROOM).sum() == 64
 
 
 @pytest.mark.parametrize("recorded", tasks_with(parts.HUMAN), indirect=True)
@@ -143,8 +148,8 @@ def test_the_fields_agree_with_the_logged_levels(recorded):
             continue
         for kind, categories in kinds.items():
             shown = np.frombuffer(bytes(fields[kind][step][0]), np.uint8).reshape(17, 17)[row, col]
-            sees = {0: 0, 1: 3, 3: 3, 2: 4, 4: 4}[level]
-            assert shown == (sees if trial.steps["distance"][step] in categories else 0), step
+            sees = {0: NOTHING, 1: SEES, 3: SEES, 2: FACES, 4: FACES}[level]
+            assert shown == (sees if trial.steps["distance"][step] in categories else NOTHING), step
         checked += 1
     assert checked
 

@@ -6,7 +6,9 @@ import pytest
 
 from visitlab_cli.errors import RunError, UsageError
 from visitlab_cli.replay.strip import draw_strip, save_strip
-from visitlab_cli.story import LEVEL_NAMES, direction_name, moments, strip_steps
+from visitlab_cli.scene.moments import left_out, moments, strip_steps
+from visitlab_cli.scene.trial import Trial
+from visitlab_cli.scene.words import LEVEL_NAMES, direction_name
 from visitlab_cli.world.tasks import TASK_NAMES
 
 BEGINNINGS = {".png": b"\x89PNG", ".svg": b"<?xml", ".pdf": b"%PDF"}
@@ -62,6 +64,36 @@ def test_what_the_human_sees_stays_in_the_panel(trial_of, task):
         clipped, inside = field.get_clip_box(), axes.bbox.padded(1)
         assert inside.x0 <= clipped.x0 < clipped.x1 <= inside.x1
         assert inside.y0 <= clipped.y0 < clipped.y1 <= inside.y1
+
+
+def test_both_are_seen_where_they_share_a_cell(trial_of):
+    pytest.importorskip("matplotlib")
+    trial = trial_of("visit")
+    steps = {name: values.copy() for name, values in trial.steps.items()}
+    for axis in ("row", "col"):
+        steps[f"robot_{axis}"][1] = steps[f"human_{axis}"][1]
+        steps[f"robot_{axis}"][2] = (steps[f"human_{axis}"][2] + 5) % 24
+    trial = Trial(trial.path, trial.cell, trial.task, trial.number, steps, trial.size, trial.distances)
+    figure = draw_strip(trial, [1, 2])
+    figure.canvas.draw()
+    for axes, shared in zip(figure.axes, (True, False), strict=True):
+        boxes = {line.get_gid(): line.get_window_extent() for line in axes.lines if line.get_gid()}
+        middles = {who: (box.x0 + box.x1) / 2 for who, box in boxes.items()}
+        assert set(boxes) == {"robot", "human"}
+        assert abs(middles["robot"] - middles["human"]) > 0.5 * boxes["human"].width
+        assert ("in one cell" in axes.get_title(loc="left")) == shared
+
+
+@pytest.mark.parametrize("panels", [3, None])
+def test_it_says_what_is_left_out(trial_of, panels):
+    pytest.importorskip("matplotlib")
+    trial = trial_of("visit", 0)
+    every = sorted({0, *(moment.step for moment in moments(trial.steps))})
+    shown = every[:panels]
+    figure = draw_strip(trial, shown)
+    said = [text.get_text() for text in figure.texts]
+    assert said == ([f"Not shown: {left_out(trial.steps, shown)}."] if panels else [])
+    assert len(every) > 3
 
 
 @pytest.mark.parametrize("panels", [1, 2, 3])

@@ -4,6 +4,7 @@ import pytest
 
 from tests.browser import needs_browser, opened
 from tests.report.test_page import hostile
+from visitlab_cli.recording.reader import read_trial
 from visitlab_cli.report.making import gather
 from visitlab_cli.report.page import render
 
@@ -203,16 +204,16 @@ def test_a_moment_and_another_visit_are_chosen(page):
     assert step(page) == 0
 
 
-def test_the_drawing_is_where_the_log_says(page):
+def test_the_drawing_is_where_the_log_says(page, tiny_run):
     for _ in range(7):
         page.locator(".stage").press("ArrowRight")
-    columns = page.evaluate("DATA.trials[0].columns")
+    cell, number = page.evaluate("DATA.trials[0].cell"), page.evaluate("DATA.trials[0].trial")
+    steps = read_trial(tiny_run / cell / "steps.mcap", number)
     for who in ("robot", "human"):
-        place = f"translate({columns[f'{who}_col'][7] + 0.5:.3f},{columns[f'{who}_row'][7] + 0.5:.3f})"
+        place = f"translate({steps[f'{who}_col'][7] + 0.5:.3f},{steps[f'{who}_row'][7] + 0.5:.3f})"
         assert page.locator(f".lab g.{who}").get_attribute("transform").startswith(place)
-    room = columns["goal_room"][7]
-    place = f"translate({room % 3 * 8:.3f},{room // 3 * 8:.3f})"
-    assert page.locator(".lab .goal").get_attribute("transform").startswith(place)
+    room, goal = int(steps["goal_room"][7]), page.locator(".lab .goal")
+    assert [float(goal.get_attribute(name)) for name in ("x", "y")] == [room % 3 * 8, room // 3 * 8]
 
 
 def test_every_control_is_reached_by_the_tab_key(page):
@@ -262,9 +263,9 @@ def test_a_grid_of_long_names_can_be_read(shown, grid_page, width):
 
 def test_what_the_human_sees_ends_at_the_lab(shown, tiny_run, tmp_path):
     report = gather(tiny_run)
-    for name, value in (("human_row", 0), ("human_col", 12), ("human_heading", 2), ("robot_row", 20)):
-        columns = report.trials[0]["columns"]
-        columns[name] = [value] * len(columns[name])
+    scene = report.trials[0]["scene"]
+    for role, shape in (("human", [12.5, 0.5, 2, 1]), ("sight", [12.5, 0.5, 2, 5]), ("robot", [12.5, 20.5, 2, 1])):
+        scene[role] = [shape] * len(scene[role])
     file = tmp_path / "corner.html"
     file.write_text(render(*report))
     page = shown(file)

@@ -120,6 +120,11 @@ def test_the_best_trial_of_each_visit_is_the_best(tiny_run):
         rewards = read_trials(tiny_run / each["cell"] / "trials.parquet")["reward"]
         assert each["goals"] == rewards.max() == rewards[each["trial"]] == sum(each["columns"]["reward"][1:])
         assert {len(values) for values in [*each["columns"].values(), each["captions"]]} == {each["steps"] + 1}
+        drawn = {role: shapes for role, shapes in each["scene"].items() if role != "said"}
+        assert set(drawn) == {"robot", "human", "sight", "desired", "goal", "reached"}
+        assert {len(shapes) for shapes in drawn.values()} == {each["steps"] + 1}
+        reached = [step for step, shape in enumerate(drawn["reached"]) if shape]
+        assert reached == [step for step, reward in enumerate(each["columns"]["reward"]) if step and reward]
 
 
 def test_a_long_trial_is_cut_and_says_so(tiny_run, monkeypatch):

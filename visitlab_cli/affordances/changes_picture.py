@@ -7,7 +7,7 @@ from visitlab_cli.affordances.graph_picture import KIND_NAMES
 from visitlab_cli.affordances.learned import Adaptation, Affordances, Graph
 from visitlab_cli.affordances.plain import ARROWS, Arrow, weight
 from visitlab_cli.pictures.style import BLUE, GREY, INK, SMALL, VERMILION
-from visitlab_cli.story import LEVEL_NAMES
+from visitlab_cli.scene.words import LEVEL_NAMES
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -7,7 +7,8 @@ from visitlab_cli.affordances.learned import Graph
 from visitlab_cli.affordances.plain import ARROWS, Arrow, Weight, weight
 from visitlab_cli.affordances.truth import NOT_ENGAGED
 from visitlab_cli.pictures.style import GREY, INK, SMALL
-from visitlab_cli.story import ACTION_COLOURS, ACTION_KINDS, CALLS, GOES, LEVEL_NAMES, LOOKS, MOVES, POINTS, SAYS_HELLO
+from visitlab_cli.scene.colours import ACTION_COLOURS, shares
+from visitlab_cli.scene.words import ACTION_KINDS, CALLS, GOES, LEVEL_NAMES, LOOKS, MOVES, POINTS, SAYS_HELLO
 from visitlab_cli.world.enums import InteractionLevel
 
 if TYPE_CHECKING:
@@ -42,8 +43,7 @@ class Told(NamedTuple):
 
 def colour_of(arrow: Arrow) -> tuple[float, float, float]:
     """The colour of an arrow's action, as in the replay."""
-    red, green, blue = ACTION_COLOURS[ACTION_KINDS.index(_KIND_OF.get(str(arrow.kind), MOVES))]
-    return red / 255, green / 255, blue / 255
+    return shares(ACTION_COLOURS[ACTION_KINDS.index(_KIND_OF.get(str(arrow.kind), MOVES))])
 
 
 def as_learned(found: Weight) -> Told:

@@ -7,7 +7,8 @@ import numpy as np
 
 from visitlab_cli.affordances.policy import UNSEEN, PolicyMap
 from visitlab_cli.pictures.style import INK
-from visitlab_cli.story import ACTION_COLOURS, ACTION_KINDS, HUMAN, action_kind
+from visitlab_cli.scene.colours import ACTION_COLOURS, HUMAN, shares
+from visitlab_cli.scene.words import ACTION_KINDS, action_kind
 from visitlab_cli.world.enums import N_DIRECTIONS, N_DISTANCES, N_MOVES
 from visitlab_cli.world.geometry import is_appropriate
 
@@ -41,8 +42,7 @@ def sectors(policy: PolicyMap, level: int) -> list[Sector]:
 
 def colour_of(action: int) -> tuple[float, float, float]:
     """As in the replay."""
-    red, green, blue = ACTION_COLOURS[ACTION_KINDS.index(action_kind(action))]
-    return red / 255, green / 255, blue / 255
+    return shares(ACTION_COLOURS[ACTION_KINDS.index(action_kind(action))])
 
 
 def draw_map(axes: "Axes", policy: PolicyMap, level: int, before: PolicyMap | None = None) -> None:
@@ -72,7 +72,7 @@ def draw_map(axes: "Axes", policy: PolicyMap, level: int, before: PolicyMap | No
     near = [distance for distance in range(N_DISTANCES) if is_appropriate(distance)]
     for radius in (HOLE + near[0], HOLE + near[-1] + 1):
         axes.add_patch(Circle((0, 0), radius, fill=False, edgecolor=INK, linewidth=0.6, zorder=3))
-    axes.plot(0, 0, marker="o", markersize=2.2, color=tuple(part / 255 for part in HUMAN), zorder=4)
+    axes.plot(0, 0, marker="o", markersize=2.2, color=shares(HUMAN), zorder=4)
     edge = HOLE + N_DISTANCES
     axes.set(xlim=(-edge, edge), ylim=(-edge, edge), aspect="equal", xticks=[], yticks=[])
     axes.spines[:].set_visible(False)
@@ -108,5 +108,4 @@ def _draw_moves(axes: "Axes", moves: Sequence[Sector]) -> None:
 
 def key() -> list[tuple[str, Any]]:
     """What the colours of the maps mean."""
-    colours = [tuple(part / 255 for part in colour) for colour in ACTION_COLOURS]
-    return [(name.lower(), colour) for name, colour in zip(ACTION_KINDS, colours, strict=True)]
+    return [(name.lower(), shares(colour)) for name, colour in zip(ACTION_KINDS, ACTION_COLOURS, strict=True)]

@@ -15,7 +15,7 @@ from visitlab_cli.affordances.maps_picture import draw_map, key
 from visitlab_cli.errors import UsageError
 from visitlab_cli.pictures.style import FORMATS, GREY, INK, PAGE, SMALL, STYLE, save, styled
 from visitlab_cli.pictures.words import fitting, height_of, in_lines
-from visitlab_cli.story import LEVEL_NAMES
+from visitlab_cli.scene.words import LEVEL_NAMES
 from visitlab_cli.world.enums import N_LEVELS
 
 if TYPE_CHECKING:

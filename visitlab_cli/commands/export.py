@@ -1,16 +1,13 @@
 """`visitlab export`: recorded trials in the format of another program, or a run's tables."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from visitlab_cli.commands import completion
 from visitlab_cli.commands.options import RUNS, Agent, At, Experiment, Human, Json, Out, RunOrFile, Seed
 from visitlab_cli.terminal import tell, tell_json
-
-if TYPE_CHECKING:
-    from visitlab_cli.recording.foxglove_scene import Look, ShownTrial
 
 
 def command(
@@ -66,7 +63,8 @@ def command(
         tell_table(run, out, selection, table, output, "csv" if csv else "parquet", as_json)
         return
 
-    from visitlab_cli.recording.foxglove import write_foxglove
+    from visitlab_cli.replay.foxglove import write_foxglove
+    from visitlab_cli.scene.trial import load_trial
 
     first, *more = trial or ["0"]
     chosen = choose_trial(find_logs(run, out, selection), first)
@@ -75,7 +73,7 @@ def command(
     log = chosen.log
     numbers = list(dict.fromkeys([chosen.trial, *(choose_trial(Logs((log,)), word).trial for word in more)]))
     target = output or Path(_name(log.cell, numbers))
-    rows = write_foxglove(target, (_shown(log.path, number) for number in numbers), _look())
+    rows = write_foxglove(target, (load_trial(log.path, number) for number in numbers))
     told = {"cell": log.cell, "trials": numbers, "rows": rows, "file": str(target)}
     tell_json(told, None) if as_json else tell(f"{log.cell}, trial {', '.join(map(str, numbers))}: {target}")
 
@@ -84,37 +82,3 @@ def _name(cell: str, numbers: list[int]) -> str:
     """A file's name that says what is in it; `cell` is one of a run, or a file's path."""
     where = Path(cell).stem if cell.endswith(".mcap") else cell.replace("/", "-")
     return f"{where}-trial-{'-'.join(map(str, numbers))}.foxglove.mcap"
-
-
-def _shown(path: Path, number: int) -> "ShownTrial":
-    """A trial with the words of the replay."""
-    from visitlab_cli.recording.foxglove_scene import ShownTrial
-    from visitlab_cli.replay.trial import load_trial
-    from visitlab_cli.story import GESTURES, captions, executed, room_name
-    from visitlab_cli.world.lab import N_ROOMS
-
-    trial = load_trial(path, number)
-    return ShownTrial(
-        number=number,
-        steps=dict(trial.steps),
-        captions=captions(trial.steps),
-        bubbles=[GESTURES.get(action, "") for action in executed(trial.steps).tolist()],
-        room_names=[room_name(room) for room in range(N_ROOMS)] if trial.has_rooms else [],
-        size=trial.size,
-    )
-
-
-def _look() -> "Look":
-    """The colours of the replay."""
-    from visitlab_cli import story
-    from visitlab_cli.recording.foxglove_scene import Look
-
-    return Look(
-        robot=story.ROBOT,
-        human=story.HUMAN,
-        goal=story.GOAL,
-        desired=story.DESIRED,
-        field=story.VISUAL_FIELD,
-        ink=story.INK,
-        floor=story.FLOOR,
-    )

@@ -45,8 +45,8 @@ def command(
 def strip(log: Path, number: int) -> "Figure":
     """Draw a trial of a log as a strip."""
     from visitlab_cli.replay.strip import draw_strip
-    from visitlab_cli.replay.trial import load_trial
-    from visitlab_cli.story import strip_steps
+    from visitlab_cli.scene.moments import strip_steps
+    from visitlab_cli.scene.trial import load_trial
 
     trial = load_trial(log, number)
     return draw_strip(trial, strip_steps(trial.steps))

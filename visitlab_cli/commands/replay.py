@@ -36,7 +36,7 @@ def command(
         raise UsageError(f"--save {save}: must end in .rrd")
     from visitlab_cli.execution.selection import Selection
     from visitlab_cli.replay.choice import choose_trial, find_logs
-    from visitlab_cli.replay.trial import load_trial
+    from visitlab_cli.scene.trial import load_trial
 
     picked = choose_trial(find_logs(run, out, Selection(experiment, human, agent, seed, tuple(at or ()))), trial)
     chosen = load_trial(picked.log.path, picked.trial)
@@ -48,13 +48,11 @@ def command(
         tell(picked.note, err=True)
     if strip is not None:
         from visitlab_cli.replay.strip import save_strip
-        from visitlab_cli.story import moments, strip_steps
+        from visitlab_cli.scene.moments import left_out, strip_steps
 
         save_strip(chosen, strip)
-        shown = set(strip_steps(chosen.steps))
-        left_out = len({moment.step for moment in moments(chosen.steps)} - shown)
-        if left_out:
-            tell(f"the strip has {len(shown)} steps; {left_out} more with a moment are not on it", err=True)
+        if missing := left_out(chosen.steps, strip_steps(chosen.steps)):
+            tell(f"not on the strip: {missing}", err=True)
     elif png is not None and step is not None:
         from visitlab_cli.replay.picture import save_picture
 

@@ -7,7 +7,7 @@ from visitlab_cli.terminal import plain as in_line
 from visitlab_cli.terminal import tell, tell_json, tell_text
 
 if TYPE_CHECKING:
-    from visitlab_cli.story import Steps
+    from visitlab_cli.scene.words import Steps
 
 
 def command(
@@ -43,7 +43,7 @@ def command(
 def plain(steps: "Steps") -> list[dict[str, Any]]:
     """Each step as the log's values, enums by their names, and its caption."""
     from visitlab_cli.recording.tables import names_of
-    from visitlab_cli.story import captions
+    from visitlab_cli.scene.words import captions
 
     columns = {}
     for column, values in steps.items():
@@ -55,7 +55,7 @@ def plain(steps: "Steps") -> list[dict[str, Any]]:
 
 def table(steps: "Steps") -> str:
     """A line for each step: what the task has of goal, desired direction, level; reward; what happens in words."""
-    from visitlab_cli.story import LEVEL_NAMES, captions, direction_name, room_name
+    from visitlab_cli.scene.words import LEVEL_NAMES, captions, direction_name, room_name
 
     columns = {"step": [str(step) for step in steps["step"]]}
     for head, column, in_words in (

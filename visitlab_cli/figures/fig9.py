@@ -10,8 +10,9 @@ from visitlab_cli.errors import NotFoundError
 from visitlab_cli.figures.drawing import Drawing
 from visitlab_cli.figures.source import Source
 from visitlab_cli.recording.reader import read_steps
+from visitlab_cli.scene.moments import BEGAN_THERE, FACTS, REACHED, moments, strip_steps
+from visitlab_cli.scene.words import Steps
 from visitlab_cli.storage.cell_folder import STEPS
-from visitlab_cli.story import FACTS, REACHED, Steps, moments, strip_steps
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -53,4 +54,4 @@ def _told(steps: Steps) -> tuple[int, int]:
     """How many kinds of moment the strip of a trial shows, and how many goals."""
     shown = set(strip_steps(steps))
     kinds = [moment.kind for moment in moments(steps) if moment.step in shown]
-    return len(set(kinds) & set(FACTS)), kinds.count(REACHED)
+    return len(set(kinds) & set(FACTS)), kinds.count(REACHED) + kinds.count(BEGAN_THERE)

@@ -1,49 +1,27 @@
 """How the viewer lays a trial out: the scene, the words beside it, lanes and curves over the steps."""
 
-import numpy as np
-import numpy.typing as npt
 import rerun.blueprint as rrb
 
 from visitlab_cli.replay.curves import ACTION, GOAL_LANE, LANES, LEVEL
 from visitlab_cli.replay.stage import TIMELINE
-from visitlab_cli.replay.trial import Trial
-from visitlab_cli.story import FLOOR, moments, strip_steps
-from visitlab_cli.world.lab import LAB_SIZE
+from visitlab_cli.scene.colours import FLOOR
+from visitlab_cli.scene.moments import moments, strip_steps
+from visitlab_cli.scene.scene import Scene
+from visitlab_cli.scene.trial import Trial
 from visitlab_cli.world.tasks import VISIT
 
-Range = tuple[float, float]
-MARGIN = 0.6
-LEAST_VIEW = 24.0
 FRAMES_PER_SECOND = 3.0
 SCENE = ["lab/**", "human/**", "robot/**"]
 STRIP_COLUMNS = 3
 NO_LEGEND = rrb.PlotLegend(visible=False)
 
 
-def view_of(trial: Trial) -> tuple[Range, Range]:
-    """What is seen of the world, as ranges of x and y in cells: the whole lab, or where the two are."""
-    if trial.has_rooms:
-        whole = -MARGIN, LAB_SIZE + MARGIN
-        return whole, whole
-    places = np.concatenate([trial.places("robot"), trial.places("human")])
-    places = places[_together(trial)]
-    low, high = places.min(axis=0), places.max(axis=0)
-    middle, side = (low + high) / 2, max(LEAST_VIEW, float((high - low).max()) + 8)
-    (x, y), half = middle, side / 2
-    return (float(x - half), float(x + half)), (float(y - half), float(y + half))
-
-
-def _together(trial: Trial) -> npt.NDArray[np.bool_]:
-    """Which of the robot's places, then the human's, are seen: not those before the robot comes to the human."""
-    apart = np.abs(trial.places("robot") - trial.places("human")).max(axis=1)
-    return np.concatenate([apart <= LEAST_VIEW / 2, np.ones(trial.length, np.bool_)])
-
-
-def blueprint_of(trial: Trial) -> rrb.Blueprint:
+def blueprint_of(shown: Scene) -> rrb.Blueprint:
     """The layout for the trial's task."""
-    scene = _scene(trial, f"{trial.cell}, trial {trial.number}", SCENE)
+    trial = shown.trial
+    scene = _scene(shown, f"{trial.cell}, trial {trial.number}", SCENE)
     steps = strip_steps(trial.steps)
-    panels = [_scene(trial, _panel_name(trial, step), [*SCENE, "- human/field/**"], step) for step in steps]
+    panels = [_scene(shown, _panel_name(trial, step), [*SCENE, "- human/field/**"], step) for step in steps]
     left = rrb.Tabs(scene, rrb.Grid(*panels, grid_columns=STRIP_COLUMNS, name="Strip"))
     words: list[rrb.View | rrb.Container] = [
         rrb.TextDocumentView(origin="now", name="Now"),
@@ -70,9 +48,9 @@ def blueprint_of(trial: Trial) -> rrb.Blueprint:
     )
 
 
-def _scene(trial: Trial, name: str, contents: list[str], step: int | None = None) -> rrb.Spatial2DView:
+def _scene(shown: Scene, name: str, contents: list[str], step: int | None = None) -> rrb.Spatial2DView:
     """The scene at the time that the viewer shows, or always at one `step`."""
-    x_range, y_range = view_of(trial)
+    x_range, y_range = shown.view
     ranges = None
     if step is not None:
         here = rrb.TimeRangeBoundary.absolute(seq=step)

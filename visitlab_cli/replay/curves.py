@@ -8,18 +8,14 @@ import numpy.typing as npt
 import rerun as rr
 
 from visitlab_cli.replay.stage import Stage
-from visitlab_cli.story import (
-    ACTION_COLOURS,
+from visitlab_cli.scene.colours import ACTION_COLOURS, GOAL, HUMAN, LEVEL_COLOURS, Colour
+from visitlab_cli.scene.moments import moments
+from visitlab_cli.scene.words import (
     ACTION_KINDS,
-    GOAL,
-    HUMAN,
-    LEVEL_COLOURS,
     LEVEL_NAMES,
-    Colour,
     action_kind,
     captions,
     direction_name,
-    moments,
     option_name,
     room_name,
 )

@@ -1,168 +1,133 @@
-"""One panel of the strip: a step of a trial, drawn with matplotlib in the scene's colours."""
+"""One panel of the strip: the shapes of a moment drawn with matplotlib, for paper."""
 
+from collections.abc import Sequence
+from functools import singledispatch
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
-from visitlab_cli.replay.actors import REACH, fields_around
-from visitlab_cli.replay.away import LENGTH, sign_of
-from visitlab_cli.replay.blueprint import view_of
-from visitlab_cli.replay.lab import FACES, GOAL_FLOOR, REACHED_FLOOR, SEES
-from visitlab_cli.replay.trial import Trial
-from visitlab_cli.story import (
-    DESIRED,
-    FACING_FIELD,
-    GESTURES,
-    HUMAN,
-    ROBOT,
-    VISUAL_FIELD,
-    Colour,
-    executed,
-    room_name,
-)
-from visitlab_cli.world.enums import Action
-from visitlab_cli.world.lab import LAB_SIZE, N_ROOMS, ROOM_SIZE, ROOMS_PER_SIDE
-from visitlab_cli.world.tasks import VISIT
+from visitlab_cli.scene.colours import FACING_FIELD, VISUAL_FIELD, shares
+from visitlab_cli.scene.scene import Scene
+from visitlab_cli.scene.shapes import Area, Arrow, Body, Line, Polygon, Role, Shape, Sight, Speech, Vectors
+from visitlab_cli.scene.sight import FACES, NOTHING, SEES
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 DIMMED = 0.35
 NEAR_ALPHA, ELSEWHERE_ALPHA = 0.32, 0.1
+POINTS_A_CELL = 4.0
+"""How wide lines are: thinner than on a screen."""
+BODY, BEFORE = 4.6, 3.6
+"""Points: how wide a body is, and one that was there before the step."""
+MARKERS = {Role.ROBOT: "s", Role.HUMAN: "o", Role.ROBOT_WAY: "s", Role.HUMAN_WAY: "o"}
+LETTERS = 4.5
 
 
-def draw(axes: "Axes", trial: Trial, step: int) -> None:
-    """Draw the place, the two, and what the robot just did."""
-    if trial.has_goal:
-        _goal(axes, trial, step)
-    if trial.has_rooms:
-        _rooms(axes)
-    if trial.has_human:
-        _field(axes, trial, step)
-    if trial.has_engagement:
-        place, way = trial.places("human")[step], trial.headings("desired_direction")[step]
-        _arrow(axes, place + 1.1 * way, 2.4 * way, DESIRED, 1.6)
-    if step:
-        _before(axes, trial, step, "robot", ROBOT)
-        if trial.has_human:
-            _before(axes, trial, step, "human", HUMAN)
-    if trial.has_human:
-        _body(axes, trial, step, "human", HUMAN, "o")
-    _body(axes, trial, step, "robot", ROBOT, "s")
-    _away(axes, trial, step)
-    _gesture(axes, trial, step)
+def draw(axes: "Axes", scene: Scene, step: int) -> None:
+    """Draw the place, the two, and what the robot just did; the view is set."""
+    x_range, y_range = scene.view
+    axes.set(xlim=x_range, ylim=y_range[::-1], aspect="equal", xticks=[], yticks=[])
+    shapes: Sequence[Shape] = [*scene.moment(step), *scene.place()]
+    for shape in shapes:
+        _draw(shape, axes)
+    for sight in (shape for shape in shapes if isinstance(shape, Sight)):
+        _draw_sight(axes, sight, scene)
 
 
-def rgb(colour: Colour) -> tuple[float, float, float]:
-    """A colour as matplotlib has it."""
-    return colour[0] / 255, colour[1] / 255, colour[2] / 255
+@singledispatch
+def _draw(shape: object, axes: "Axes") -> None:
+    """What has no place on paper: the tiles, which are lines, and the sight, which ends at the world."""
 
 
-def _rooms(axes: "Axes") -> None:
-    for line in range(0, LAB_SIZE + 1, ROOM_SIZE):
-        axes.plot([line, line], [0, LAB_SIZE], color="0.55", linewidth=0.5)
-        axes.plot([0, LAB_SIZE], [line, line], color="0.55", linewidth=0.5)
-    for room in range(N_ROOMS):
-        x, y = room % ROOMS_PER_SIDE * ROOM_SIZE, room // ROOMS_PER_SIDE * ROOM_SIZE
-        axes.text(x + 0.4, y + 0.35, room_name(room), fontsize=4.5, color="0.6", va="top")
-
-
-def _goal(axes: "Axes", trial: Trial, step: int) -> None:
-    """The goal room; where it was reached in this step, that room too."""
-    goals = trial.steps["goal_room"]
-    _room(axes, int(goals[step]), GOAL_FLOOR)
-    x, y = int(goals[step]) % ROOMS_PER_SIDE * ROOM_SIZE, int(goals[step]) // ROOMS_PER_SIDE * ROOM_SIZE
-    axes.plot([x + 6.3, x + 6.3], [y + 0.6, y + 2.4], color="0.2", linewidth=0.8)
-    axes.fill([x + 6.3, x + 7.6, x + 6.3], [y + 0.6, y + 1.1, y + 1.6], color="0.2", linewidth=0)
-    if trial.task == VISIT and step and trial.steps["reward"][step] > 0:
-        _room(axes, int(goals[step - 1]), REACHED_FLOOR)
-
-
-def _room(axes: "Axes", room: int, colour: Colour) -> None:
-    x, y = room % ROOMS_PER_SIDE * ROOM_SIZE, room // ROOMS_PER_SIDE * ROOM_SIZE
-    axes.fill(
-        [x, x + ROOM_SIZE, x + ROOM_SIZE, x], [y, y, y + ROOM_SIZE, y + ROOM_SIZE], color=rgb(colour), linewidth=0
-    )
-
-
-def _field(axes: "Axes", trial: Trial, step: int) -> None:
-    """The human's visual and facing fields, as cells."""
-    fields, near = fields_around(trial.distances)
-    seen = fields[int(trial.steps["human_heading"][step])]
-    image = np.zeros((*seen.shape, 4))
-    for kind, colour in ((SEES, VISUAL_FIELD), (FACES, FACING_FIELD)):
-        image[seen == kind, :3] = rgb(colour)
-    image[..., 3] = np.where(seen > 0, np.where(near, NEAR_ALPHA, ELSEWHERE_ALPHA), 0)
-    x, y = trial.places("human")[step]
-    half = REACH + 0.5
-    shown = axes.imshow(image, extent=(x - half, x + half, y + half, y - half), interpolation="nearest", zorder=1)
-    seen_world = [(max(low, 0), min(high, trial.size)) for low, high in view_of(trial)]
-    frame: Any = _rectangle(*seen_world)
-    axes.add_patch(frame)
-    shown.set_clip_path(frame)
-
-
-def _rectangle(x_range: tuple[float, float], y_range: tuple[float, float]) -> Any:
-    from matplotlib.patches import Rectangle
-
-    (left, right), (top, bottom) = x_range, y_range
-    return Rectangle((left, top), right - left, bottom - top, fill=False, linewidth=0)
-
-
-def _before(axes: "Axes", trial: Trial, step: int, who: str, colour: Colour) -> None:
-    """Where one of the two was before this step, dimmed, and the way from there."""
-    then, now = trial.places(who)[step - 1], trial.places(who)[step]
-    if (then == now).all():
+@_draw.register
+def _(shape: Area, axes: "Axes") -> None:
+    """Walls as lines, goal rooms filled, names in the corner."""
+    if shape.role in (Role.GOAL, Role.REACHED):
+        axes.fill(*shape.outline[:4].T, color=shares(shape.style.colour), linewidth=0, zorder=0.5)
         return
-    axes.plot(*np.stack([then, now]).T, color=rgb(colour), linewidth=0.8, linestyle=(0, (2, 1.5)), zorder=3)
-    marker = "o" if who == "human" else "s"
-    axes.plot(*then, marker=marker, markersize=3.6, color=rgb(colour), alpha=DIMMED, markeredgewidth=0, zorder=3)
+    axes.plot(*shape.outline.T, color="0.55", linewidth=0.5, zorder=2)
+    x, y = shape.corner
+    axes.text(x + 0.4, y + 0.35, shape.text, fontsize=LETTERS, color="0.6", va="top")
 
 
-def _body(axes: "Axes", trial: Trial, step: int, who: str, colour: Colour, marker: str) -> None:
-    place, way = trial.places(who)[step], trial.headings(f"{who}_heading")[step]
-    _arrow(axes, place, 1.7 * way, colour, 1.1)
-    axes.plot(
-        *place, marker=marker, markersize=4.6, color=rgb(colour), markeredgecolor="k", markeredgewidth=0.4, zorder=5
-    )
+@_draw.register
+def _(shape: Polygon, axes: "Axes") -> None:
+    axes.fill(*shape.points.T, color=shares(shape.style.colour), linewidth=0, zorder=2)
 
 
-def _away(axes: "Axes", trial: Trial, step: int) -> None:
-    """Where the robot is, if it is outside of what is seen."""
-    sign = sign_of(trial, step)
-    if sign is None:
+@_draw.register
+def _(shape: Line, axes: "Axes") -> None:
+    """A flag's pole; of a way the last step, with a dimmed body where it began."""
+    if shape.role == Role.TILE:
         return
-    tail = sign.place - LENGTH * sign.way
-    _arrow(axes, tail, LENGTH * sign.way, ROBOT, 1.1)
-    x, y = tail - 0.4 * sign.way
-    style: Any = {"fontsize": 4.5, "color": rgb(ROBOT), "zorder": 6, "clip_on": True}
-    axes.text(x, y, f"robot, {sign.cells} cells away", ha="right" if sign.way[0] > 0 else "left", va="center", **style)
+    colour, marker = shares(shape.style.colour), MARKERS.get(shape.role)
+    if marker is None:
+        axes.plot(*shape.points.T, color=colour, linewidth=shape.style.width * POINTS_A_CELL, zorder=2)
+        return
+    then, now = shape.points[-2:][0], shape.points[-1]
+    if (then != now).any():
+        axes.plot(*np.stack([then, now]).T, color=colour, linewidth=0.8, linestyle=(0, (2, 1.5)), zorder=3)
+        axes.plot(*then, marker=marker, markersize=BEFORE, color=colour, alpha=DIMMED, markeredgewidth=0, zorder=3)
 
 
-def _arrow(axes: "Axes", start: npt.NDArray[Any], vector: npt.NDArray[Any], colour: Colour, width: float) -> None:
-    arrow = {"arrowstyle": "-|>,head_width=0.13,head_length=0.2", "color": rgb(colour), "linewidth": width}
+@_draw.register
+def _(shape: Arrow, axes: "Axes") -> None:
+    _draw_arrow(axes, shape.start, shape.end, shape)
+    if shape.text:
+        way = (shape.end - shape.start) / np.linalg.norm(shape.end - shape.start)
+        x, y = shape.start - 0.4 * way
+        style: Any = {"fontsize": LETTERS, "color": shares(shape.style.colour), "zorder": 6, "clip_on": True}
+        axes.text(x, y, shape.text, ha="right" if way[0] > 0 else "left", va="center", **style)
+
+
+@_draw.register
+def _(shape: Body, axes: "Axes") -> None:
+    _draw_arrow(axes, shape.place, shape.tip, shape)
+    look: Any = {"markersize": BODY * shape.scale, "markeredgecolor": "k", "markeredgewidth": 0.4, "zorder": 5}
+    axes.plot(*shape.place, marker=MARKERS[shape.role], color=shares(shape.style.colour), gid=str(shape.role), **look)
+
+
+@_draw.register
+def _(shape: Speech, axes: "Axes") -> None:
+    """What the robot says, in a bubble within the panel."""
+    (x, y), up = shape.place, -1 if shape.above else 1
+    low, high = sorted(axes.get_xlim())
     axes.annotate(
-        "", xy=tuple(start + vector), xytext=tuple(start), arrowprops=arrow | {"shrinkA": 0, "shrinkB": 0}, zorder=4
-    )
-
-
-def _gesture(axes: "Axes", trial: Trial, step: int) -> None:
-    """What the robot says, in a bubble."""
-    action = int(executed(trial.steps)[step])
-    if action not in set(GESTURES):
-        return
-    x, y = trial.places("robot")[step]
-    up = -1 if y > 4 else 1
-    bubble = {"boxstyle": "round,pad=0.25", "facecolor": "white", "edgecolor": "k", "linewidth": 0.5}
-    axes.annotate(
-        GESTURES[Action(action)].capitalize(),
+        shape.text.capitalize(),
         xy=(x, y + 0.5 * up),
-        xytext=(min(max(x, 3.0), trial.size - 3.0), y + 3.0 * up),
+        xytext=(min(max(x, low + 3.6), high - 3.6), y + 3.0 * up),
         fontsize=5.5,
         ha="center",
         va="center",
-        bbox=bubble,
+        bbox={"boxstyle": "round,pad=0.25", "facecolor": "white", "edgecolor": "k", "linewidth": 0.5},
         arrowprops={"arrowstyle": "-", "linewidth": 0.5, "shrinkA": 0, "shrinkB": 0},
         zorder=6,
     )
+
+
+def _draw_arrow(axes: "Axes", start: Vectors, end: Vectors, shape: Arrow | Body) -> None:
+    width = shape.style.width * POINTS_A_CELL
+    arrow: Any = {"arrowstyle": "-|>,head_width=0.13,head_length=0.2", "shrinkA": 0, "shrinkB": 0}
+    look = arrow | {"color": shares(shape.style.colour), "linewidth": width}
+    axes.annotate("", xy=tuple(end), xytext=tuple(start), arrowprops=look, zorder=4)
+
+
+def _draw_sight(axes: "Axes", sight: Sight, scene: Scene) -> None:
+    """The cells of the human's fields, within the panel."""
+    from matplotlib.patches import Rectangle
+
+    image: npt.NDArray[Any] = np.zeros((*sight.cells.shape, 4))
+    for kind, colour in ((SEES, VISUAL_FIELD), (FACES, FACING_FIELD)):
+        image[sight.cells == kind, :3] = shares(colour)
+    image[..., 3] = np.where(sight.cells != NOTHING, np.where(sight.near, NEAR_ALPHA, ELSEWHERE_ALPHA), 0)
+    (x, y), (rows, cols) = sight.corner, sight.cells.shape
+    extent: Any = (x, x + cols, y + rows, y)
+    limits = axes.get_xlim(), axes.get_ylim()
+    shown = axes.imshow(image, extent=extent, interpolation="nearest", zorder=1)
+    axes.set(xlim=limits[0], ylim=limits[1])
+    (left, right), (top, bottom) = ((max(low, 0), min(high, scene.trial.size)) for low, high in scene.view)
+    frame = Rectangle((left, top), right - left, bottom - top, fill=False, linewidth=0)
+    axes.add_patch(frame)
+    shown.set_clip_path(frame)

@@ -9,8 +9,8 @@ from visitlab_cli.errors import RunError, UsageError
 from visitlab_cli.replay.program import LOOPBACK, answers, free_port, started
 from visitlab_cli.replay.recording import record
 from visitlab_cli.replay.stage import TIMELINE
-from visitlab_cli.replay.trial import Trial
 from visitlab_cli.replay.viewer import recording_file, wait_until
+from visitlab_cli.scene.trial import Trial
 from visitlab_cli.whole_file import write_again
 
 WIDTH, HEIGHT = 1600, 1000

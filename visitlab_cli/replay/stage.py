@@ -6,8 +6,9 @@ from typing import Any, NamedTuple
 import numpy as np
 import rerun as rr
 
-from visitlab_cli.replay.trial import Trial, Vectors
-from visitlab_cli.story import Colour
+from visitlab_cli.scene.colours import Colour
+from visitlab_cli.scene.scene import Scene
+from visitlab_cli.scene.shapes import Vectors
 
 TIMELINE = "step"
 
@@ -23,9 +24,10 @@ class Line(NamedTuple):
 class Stage:
     """A recording of one trial; everything is sent as columns over the timeline `step`, nothing step by step."""
 
-    def __init__(self, trial: Trial, recording: rr.RecordingStream) -> None:
+    def __init__(self, scene: Scene, recording: rr.RecordingStream) -> None:
         """Nothing is drawn yet."""
-        self.trial = trial
+        self.scene = scene
+        self.trial = trial = scene.trial
         self.recording = recording
         self._times = [rr.TimeColumn(TIMELINE, sequence=trial.steps["step"].astype(np.int64))]
 

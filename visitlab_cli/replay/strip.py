@@ -7,22 +7,21 @@ from typing import TYPE_CHECKING, Any
 
 from visitlab_cli.errors import RunError, UsageError
 from visitlab_cli.replay import panel
-from visitlab_cli.replay.blueprint import view_of
-from visitlab_cli.replay.lab import GOAL_FLOOR, REACHED_FLOOR
-from visitlab_cli.replay.trial import Trial
 from visitlab_cli.same_pictures import same_pictures
-from visitlab_cli.story import (
+from visitlab_cli.scene.colours import (
     DESIRED,
     FACING_FIELD,
+    GOAL_FLOOR,
     HUMAN,
-    LEVEL_NAMES,
+    REACHED_FLOOR,
     ROBOT,
     VISUAL_FIELD,
-    action_name,
-    direction_name,
-    moments,
-    strip_steps,
+    shares,
 )
+from visitlab_cli.scene.moments import left_out, moments, strip_steps
+from visitlab_cli.scene.scene import Scene
+from visitlab_cli.scene.trial import Trial
+from visitlab_cli.scene.words import LEVEL_NAMES, action_name, direction_name
 from visitlab_cli.whole_file import write_again
 from visitlab_cli.world.tasks import VISIT
 
@@ -71,26 +70,29 @@ def draw_strip(trial: Trial, steps: Sequence[int]) -> "Figure":
     handles = _key(trial)
     widths = [KEY_ENTRY + KEY_LETTER * len(handle.get_label()) for handle in handles]
     entries = len(handles) if sum(widths) <= width else min(len(handles), max(1, int(width / max(widths))))
-    key = KEY_GAP + KEY_LINE * -(-len(handles) // entries)
+    missing = left_out(trial.steps, steps)
+    key = KEY_GAP + KEY_LINE * (-(-len(handles) // entries) + bool(missing))
     height = rows * (PANEL + TITLE + GAP) + GAP + key
     figure = Figure(figsize=(width, height))
     grid = figure.subplots(rows, columns, squeeze=False)
     top, bottom = 1 - (TITLE + GAP) / height, (GAP + key) / height
     figure.subplots_adjust(left=GAP / width, right=1 - GAP / width, top=top, bottom=bottom)
     figure.subplots_adjust(wspace=GAP / PANEL, hspace=(TITLE + GAP) / PANEL)
-    x_range, y_range = view_of(trial)
+    scene = Scene(trial)
     for axes in grid.flat[len(steps) :]:
         axes.set_axis_off()
     for axes, step in zip(grid.flat, steps, strict=False):
-        panel.draw(axes, trial, step)
-        axes.set(xlim=x_range, ylim=y_range[::-1], aspect="equal", xticks=[], yticks=[])
+        panel.draw(axes, scene, step)
         axes.spines[:].set(linewidth=0.4, color="0.5")
         kinds = ", ".join(kind for at, kind in moments(trial.steps) if at == step)
         axes.text(0.97, 0.03, kinds, transform=axes.transAxes, ha="right", weight="bold", zorder=7)
-        title, below = _title(trial, step)
+        title, below = _title(scene, step)
         axes.set_title(f"{title}\n{below}", fontsize=FONT_SIZE, loc="left", pad=2.5, linespacing=1.15)
+    if missing:
+        figure.text(0.5, (KEY_GAP / 2 + KEY_LINE / 2) / height, f"Not shown: {missing}.", ha="center", va="center")
     spacing: Any = {"handlelength": 1.2, "handletextpad": 0.4, "columnspacing": 1.2, "borderaxespad": 0.1}
-    figure.legend(handles=handles, loc="lower center", ncols=entries, frameon=False, fontsize=FONT_SIZE, **spacing)
+    place: Any = {"loc": "lower center", "bbox_to_anchor": (0.5, KEY_LINE * bool(missing) / height)}
+    figure.legend(handles=handles, ncols=entries, frameon=False, fontsize=FONT_SIZE, **place, **spacing)
     return figure
 
 
@@ -100,28 +102,30 @@ def _key(trial: Trial) -> list[Any]:
     from matplotlib.patches import Patch
 
     body: Any = {"linestyle": "", "markersize": 4.6, "markeredgecolor": "k", "markeredgewidth": 0.4}
-    handles: list[Any] = [Line2D([], [], marker="s", color=panel.rgb(ROBOT), label="robot", **body)]
+    handles: list[Any] = [Line2D([], [], marker="s", color=shares(ROBOT), label="robot", **body)]
     if trial.has_human:
         handles += [
-            Line2D([], [], marker="o", color=panel.rgb(HUMAN), label="human", **body),
-            Patch(facecolor=panel.rgb(VISUAL_FIELD), alpha=panel.NEAR_ALPHA, label="the human sees (and farther)"),
-            Patch(facecolor=panel.rgb(FACING_FIELD), alpha=panel.NEAR_ALPHA, label="it faces"),
+            Line2D([], [], marker="o", color=shares(HUMAN), label="human", **body),
+            Patch(facecolor=shares(VISUAL_FIELD), alpha=panel.NEAR_ALPHA, label="the human sees (and farther)"),
+            Patch(facecolor=shares(FACING_FIELD), alpha=panel.NEAR_ALPHA, label="it faces"),
         ]
     if trial.has_engagement:
-        handles.append(Line2D([], [], color=panel.rgb(DESIRED), linewidth=1.6, label="desired direction"))
+        handles.append(Line2D([], [], color=shares(DESIRED), linewidth=1.6, label="desired direction"))
     if trial.has_goal:
-        handles.append(Patch(facecolor=panel.rgb(GOAL_FLOOR), label="goal"))
+        handles.append(Patch(facecolor=shares(GOAL_FLOOR), label="goal"))
     if trial.task == VISIT:
-        handles.append(Patch(facecolor=panel.rgb(REACHED_FLOOR), label="just reached"))
+        handles.append(Patch(facecolor=shares(REACHED_FLOOR), label="just reached"))
     return handles
 
 
-def _title(trial: Trial, step: int) -> tuple[str, str]:
-    """Step and action; desired direction and level."""
-    words = []
+def _title(scene: Scene, step: int) -> tuple[str, str]:
+    """Step and action; desired direction, level, and that the two stand in one cell."""
+    trial, words = scene.trial, []
     if trial.has_engagement:
         words.append(f"towards {direction_name(int(trial.steps['desired_direction'][step]))}")
     if trial.has_human:
         words.append(LEVEL_NAMES[int(trial.steps["interaction_level"][step])])
+    if scene.share_a_cell(step):
+        words.append("in one cell")
     action = action_name(trial.steps, step).split(": ")[-1].replace(", then is blocked", "") if step else "the start"
     return f"{step}: {action}", ", ".join(words)

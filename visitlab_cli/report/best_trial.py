@@ -1,5 +1,6 @@
 """The best recorded trial of each visit, as plain values that the page plays."""
 
+import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -10,29 +11,23 @@ from visitlab_cli.analysis.summary_groups import Group
 from visitlab_cli.execution.cells import Cell
 from visitlab_cli.recording.reader import check_values, read_trial
 from visitlab_cli.report.names import BETWEEN, settings_of, short_paths
+from visitlab_cli.scene.moments import moments
+from visitlab_cli.scene.scene import Scene
+from visitlab_cli.scene.shapes import Area, Arrow, Body, Role, Shape, Sight, Speech, Vectors
+from visitlab_cli.scene.trial import Trial
+from visitlab_cli.scene.words import Steps, captions
 from visitlab_cli.storage.arrays import read_trials
 from visitlab_cli.storage.cell_folder import STEPS, TRIALS, read_cell
-from visitlab_cli.story import GESTURES, Steps, captions, executed, moments
-from visitlab_cli.world.enums import Action
+from visitlab_cli.world.enums import N_DIRECTIONS
+from visitlab_cli.world.lab import LAB_SIZE
 from visitlab_cli.world.tasks import VISIT
 
 MOST_TRIALS = 12
 """A page plays the best trials of so many visits at most, in the order of the config."""
 MOST_STEPS = 1_000
 """A page plays so many steps of a trial at most."""
-COLUMNS = (
-    "robot_row",
-    "robot_col",
-    "robot_heading",
-    "human_row",
-    "human_col",
-    "human_heading",
-    "interaction_level",
-    "distance",
-    "desired_direction",
-    "goal_room",
-    "reward",
-)
+COLUMNS = ("interaction_level", "distance", "goal_room", "reward")
+"""What is told of a step beside what is drawn."""
 
 
 def best_trials(run: Path, groups: Sequence[Group]) -> list[dict[str, Any]]:
@@ -64,23 +59,58 @@ def _best_of(run: Path, group: Group, short: Mapping[str, str]) -> list[dict[str
         return []
     reward, number, cell = best
     name = BETWEEN.join((f"{group.experiment}/{group.human}", *settings_of(group, short)))
+    return [_plain(run, name, cell, number, reward)]
+
+
+def _plain(run: Path, name: str, cell: Cell, number: int, reward: float) -> dict[str, Any]:
     log = run / cell.path / STEPS
-    steps = read_trial(log, number)
-    check_values(log, steps)
-    return [_plain(name, cell, number, reward, steps)]
-
-
-def _plain(name: str, cell: Cell, number: int, reward: float, whole: Steps) -> dict[str, Any]:
-    steps = {name: values[: MOST_STEPS + 1] for name, values in whole.items()}
-    said = [GESTURES.get(Action(int(action)), "") for action in executed(steps)]
+    whole = read_trial(log, number)
+    check_values(log, whole)
+    steps: Steps = {column: values[: MOST_STEPS + 1] for column, values in whole.items()}
+    trial = Trial(log, cell.path, VISIT, number, steps, LAB_SIZE, tuple(cell.config.interaction.distances))
     return {
         "group": name,
         "cell": cell.path,
         "trial": number,
         "goals": reward,
         "steps": len(whole["step"]) - 1,
-        "columns": {name: steps[name].astype(int).tolist() for name in COLUMNS},
-        "said": {str(step): word for step, word in enumerate(said) if word},
+        "columns": {column: steps[column].astype(int).tolist() for column in COLUMNS},
+        "scene": plain_scene(trial),
         "captions": captions(steps),
         "moments": [list(moment) for moment in moments(steps)],
     }
+
+
+def plain_scene(trial: Trial) -> dict[str, Any]:
+    """The shapes of a visit by their role, one a step; what is said by its step.
+
+    Bodies as x, y, heading, scale; sight as x, y, heading, radius; the desired direction as x, y, heading, length;
+    rooms as x, y, width, height, None where none was just reached.
+    """
+    told: dict[str, Any] = {str(role): [] for role in (Role.ROBOT, Role.HUMAN, Role.SIGHT, Role.DESIRED, Role.GOAL)}
+    told |= {str(Role.REACHED): [], str(Role.SAID): {}}
+    for step, shapes in enumerate(Scene(trial).moments()):
+        for shape in shapes:
+            if isinstance(shape, Speech):
+                told[shape.role][str(step)] = shape.text
+            elif shape.role in told:
+                told[shape.role].append(_numbers(shape))
+        told[Role.REACHED] += [None] * (step + 1 - len(told[Role.REACHED]))
+    return told
+
+
+def _numbers(shape: Shape) -> list[float]:
+    match shape:
+        case Body(place=place, heading=heading, scale=size) | Sight(place=place, heading=heading, radius=size):
+            return [*_rounded(place), heading, size]
+        case Arrow(start=start, end=end):
+            east, south = (end - start).tolist()
+            heading = round(math.atan2(-south, east) * N_DIRECTIONS / math.tau) % N_DIRECTIONS
+            return [*_rounded(start), heading, round(math.hypot(east, south), 3)]
+        case Area(corner=corner, size=size):
+            return [*_rounded(corner), *_rounded(size)]
+    raise AssertionError(f"{shape.role} is not drawn")
+
+
+def _rounded(place: Vectors) -> list[float]:
+    return [round(part, 3) for part in place.tolist()]

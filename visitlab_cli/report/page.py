@@ -13,18 +13,13 @@ from visitlab_cli.report.facts import Facts
 from visitlab_cli.report.markup import Html, element
 from visitlab_cli.report.results_table import results
 from visitlab_cli.report.sections import charts, head, repeat, trial, what_was_run
-from visitlab_cli.story import (
-    DESIRED,
-    GOAL,
-    HUMAN,
-    LEVEL_COLOURS,
-    LEVEL_NAMES,
-    ROBOT,
-    Colour,
-    room_name,
-)
+from visitlab_cli.scene.colours import DESIRED, GOAL, HUMAN, LEVEL_COLOURS, ROBOT, css
+from visitlab_cli.scene.lab import goal_shapes, lab_shapes
+from visitlab_cli.scene.scene import TRAIL_STEPS
+from visitlab_cli.scene.shapes import Area, Line, Polygon, Role, Shape
+from visitlab_cli.scene.sight import FACES_DEGREES, SEES_DEGREES
+from visitlab_cli.scene.words import LEVEL_NAMES
 from visitlab_cli.world.enums import DISTANCE_NAMES
-from visitlab_cli.world.lab import LAB_SIZE, N_ROOMS, ROOM_SIZE
 
 BEGINNING = "<!doctype html>\n<!-- a report of visitlab -->\n"
 """How every report begins: what begins otherwise is somebody else's file."""
@@ -97,16 +92,22 @@ def _data(values: Any) -> Html:
 
 
 def _story() -> dict[str, Any]:
-    """The words and colours of a trial, and the lab's measures."""
+    """The words and colours of a trial, and the lab's shapes."""
+    place = lab_shapes()
+    flag = {str(shape.role): shape.points.tolist() for shape in goal_shapes(0) if isinstance(shape, Line | Polygon)}
     return {
-        "levels": list(zip(LEVEL_NAMES, map(_css, LEVEL_COLOURS), strict=True)),
+        "levels": list(zip(LEVEL_NAMES, map(css, LEVEL_COLOURS), strict=True)),
         "distances": DISTANCE_NAMES,
-        "rooms": [room_name(room) for room in range(N_ROOMS)],
-        "colours": {"robot": _css(ROBOT), "human": _css(HUMAN), "goal": _css(GOAL), "desired": _css(DESIRED)},
-        "size": LAB_SIZE,
-        "room": ROOM_SIZE,
+        "rooms": [[*each.corner.tolist(), *each.size.tolist(), each.text] for each in _areas(place, Role.ROOM)],
+        "tiles": [shape.points.tolist() for shape in place if isinstance(shape, Line)],
+        "size": _areas(place, Role.FLOOR)[0].size[0].item(),
+        "flag": flag,
+        "colours": {"robot": css(ROBOT), "human": css(HUMAN), "goal": css(GOAL), "desired": css(DESIRED)},
+        "sees": SEES_DEGREES,
+        "faces": FACES_DEGREES,
+        "trail": TRAIL_STEPS,
     }
 
 
-def _css(colour: Colour) -> str:
-    return "#" + bytes(colour).hex()
+def _areas(shapes: Sequence[Shape], role: Role) -> list[Area]:
+    return [shape for shape in shapes if isinstance(shape, Area) and shape.role == role]

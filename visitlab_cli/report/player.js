@@ -39,7 +39,7 @@ class Player {
     };
     return html("ul", { class: "legend", "aria-label": "Colours" },
       seen("robot", "square", STORY.colours.robot), seen("human", "round", STORY.colours.human),
-      seen(`what it sees and, greener, faces (drawn up to ${SIGHT_SHOWN} cells; sight goes on)`, "sight"),
+      seen(`what it sees and, greener, faces (drawn up to ${this.trials[0].scene.sight[0][3]} cells; sight goes on)`, "sight"),
       seen("goal room", "square", STORY.colours.goal), seen("where the human should go", "square", STORY.colours.desired),
       ...STORY.levels.map(([name, colour]) => seen(name, "level", colour)));
   }
@@ -77,7 +77,7 @@ class Player {
     mark.style.background = level[1];
     const fact = (name, ...value) => html("div", {}, html("dt", {}, name), html("dd", {}, ...value));
     this.facts.replaceChildren(fact("Step", `${step} of ${this.last}`), fact("Goals", String(goals)),
-      fact("Goal room", STORY.rooms[c.goal_room[step]]), fact("Level", mark, level[0]), fact("Distance", STORY.distances[c.distance[step]]));
+      fact("Goal room", STORY.rooms[c.goal_room[step]][4]), fact("Level", mark, level[0]), fact("Distance", STORY.distances[c.distance[step]]));
     let current = -1;
     this.trial.moments.forEach(([at], i) => { if (at <= step) current = i; });
     this.jumps.forEach((jump, i) => {

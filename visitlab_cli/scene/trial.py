@@ -11,9 +11,9 @@ import yaml
 from visitlab_cli.errors import RunError, VisitlabError
 from visitlab_cli.recording.reader import check_values, read_attachment, read_metadata, read_trial
 from visitlab_cli.recording.schema import CONFIG_NAME
+from visitlab_cli.scene.words import Steps
 from visitlab_cli.storage.arrays import read_model
 from visitlab_cli.storage.cell_folder import MODEL
-from visitlab_cli.story import Steps
 from visitlab_cli.world.geometry import DISTANCES
 from visitlab_cli.world.lab import COL_STEPS, LAB_SIZE, ROW_STEPS, paper_lab
 from visitlab_cli.world.social import ARENA

@@ -1,6 +1,7 @@
 """The export for Foxglove: read back by the stock reader, its schemas those that Foxglove publishes."""
 
 import importlib
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -8,29 +9,32 @@ from google.protobuf.descriptor_pb2 import DescriptorProto
 from mcap.reader import make_reader
 from mcap_protobuf.decoder import DecoderFactory
 
+from tests.recording.blocks import random_steps
 from visitlab_cli.errors import RunError, UsageError
-from visitlab_cli.recording.foxglove import write_foxglove
-from visitlab_cli.recording.foxglove_scene import Look, ShownTrial
-from visitlab_cli.recording.foxglove_schema import file_descriptor
 from visitlab_cli.recording.reader import Columns
-from visitlab_cli.world.enums import Direction
+from visitlab_cli.replay.foxglove import write_foxglove
+from visitlab_cli.replay.foxglove_schema import file_descriptor
+from visitlab_cli.scene.colours import GOAL_FLOOR
+from visitlab_cli.scene.trial import Trial
+from visitlab_cli.scene.words import caption
+from visitlab_cli.world.enums import Action, Direction
+from visitlab_cli.world.geometry import DISTANCES
 from visitlab_cli.world.tasks import columns_of
 
-from .blocks import random_steps
-
-LOOK = Look(*((shade, 0, 0) for shade in range(0, 70, 10)))
 STEPS, SIZE, ROOM = 20, 24, 8
 
 
-def shown(task: str, number: int = 0) -> ShownTrial:
+def shown(task: str, number: int = 0) -> Trial:
+    """A trial of random values, in which every other step is a hello."""
     steps, rows = random_steps(1, STEPS, seed=number)
     columns: Columns = {column.name: getattr(steps, column.name) for column in columns_of(task)}
     for name, values in columns.items():
         if values.dtype != np.bool_:
             values %= SIZE if name.endswith(("_row", "_col")) else 9 if name == "goal_room" else 8
     columns["step"][:] = np.arange(rows)
-    rooms = [f"Room {room}" for room in range(9)] if task != "social" else []
-    return ShownTrial(number, columns, [f"words {row}" for row in range(rows)], ["", "HELLO!"] * 10 + [""], rooms, SIZE)
+    if "executed_action" in columns:
+        columns["executed_action"][1::2] = Action.HELLO
+    return Trial(Path(), "cell", task, number, columns, SIZE, DISTANCES)
 
 
 def read(path):
@@ -47,7 +51,7 @@ def read(path):
 def exported(tmp_path_factory):
     trials = [shown("visit"), shown("visit", 5)]
     path = tmp_path_factory.mktemp("foxglove") / "a.mcap"
-    assert write_foxglove(path, trials, LOOK) == 2 * (STEPS + 1)
+    assert write_foxglove(path, trials) == 2 * (STEPS + 1)
     return trials, read(path)
 
 
@@ -100,17 +104,17 @@ def test_the_goal_room_lies_where_its_name_stands(exported):
         name = names[f"Room {trials[0].steps['goal_room'][row]}"]
         assert (goal.pose.position.x, goal.size.x, goal.size.y) == (name.x, ROOM, ROOM)
         assert goal.pose.position.y == name.y - 3
-        assert goal.color.r == pytest.approx(LOOK.goal[0] / 255)
+        assert goal.color.r == pytest.approx(GOAL_FLOOR[0] / 255)
 
 
 def test_what_is_said_shown_and_told(exported):
     trials, found = exported
     logs = [message.message for _, message in found["/caption", "foxglove.Log"]]
-    assert logs[3] == "trial 0, step 3: words 3"
-    assert logs[STEPS + 1] == "trial 5, step 0: words 0"
+    assert logs[3] == f"trial 0, step 3: {caption(trials[0].steps, 3)}"
+    assert logs[STEPS + 1] == f"trial 5, step 0: {caption(trials[1].steps, 0)}"
     for (_, scene), row in zip(found["/scene", "foxglove.SceneUpdate"], range(STEPS + 1), strict=False):
         entities = {entity.id: entity for entity in scene.entities}
-        assert [text.text for text in entities["robot"].texts] == [word for word in [trials[0].bubbles[row]] if word]
+        assert [text.text for text in entities["robot"].texts] == ["HELLO!"] * (row % 2)
         assert len(entities["human's way"].lines[0].points) == row + 1
         [arrow] = entities["desired direction"].arrows
         turned = 2 * np.arctan2(arrow.pose.orientation.z, arrow.pose.orientation.w) / (np.pi / 4)
@@ -126,7 +130,7 @@ def test_what_is_said_shown_and_told(exported):
     ],
 )
 def test_each_task_shows_what_it_has(tmp_path, task, entities):
-    write_foxglove(tmp_path / "a.mcap", [shown(task)], LOOK)
+    write_foxglove(tmp_path / "a.mcap", [shown(task)])
     found = read(tmp_path / "a.mcap")
     _, scene = found["/scene", "foxglove.SceneUpdate"][0]
     assert {entity.id for entity in scene.entities} == entities
@@ -152,15 +156,15 @@ def test_nothing_is_overwritten_and_a_failure_leaves_nothing(tmp_path):
     path = tmp_path / "a.mcap"
     path.write_text("mine")
     with pytest.raises(UsageError, match=r"a.mcap: exists; choose another file with -o$"):
-        write_foxglove(path, [shown("visit")], LOOK)
+        write_foxglove(path, [shown("visit")])
     assert path.read_text() == "mine"
     with pytest.raises(RunError, match=r"can't be written: [^\n]+$"):
-        write_foxglove(tmp_path / "missing" / "a.mcap", [shown("visit")], LOOK)
+        write_foxglove(tmp_path / "missing" / "a.mcap", [shown("visit")])
 
     def fails():
         yield shown("visit")
         raise RunError("the second is damaged")
 
     with pytest.raises(RunError, match="second"):
-        write_foxglove(tmp_path / "b.mcap", fails(), LOOK)
+        write_foxglove(tmp_path / "b.mcap", fails())
     assert [path.name for path in tmp_path.iterdir()] == ["a.mcap"]

@@ -1,26 +1,15 @@
-"""A trial in words and colours: names, captions, the moments worth a picture; shared by all that tells of a trial."""
+"""A trial in words: names, and what happens in a step; shared by all that tells of a trial."""
 
-from collections.abc import Iterator, Mapping
-from typing import Any, NamedTuple
+from collections.abc import Mapping
+from typing import Any
 
 import numpy.typing as npt
 
 from visitlab_cli.world.enums import DISTANCE_NAMES, N_DIRECTIONS, N_MOVES, Action, Direction, InteractionLevel
+from visitlab_cli.world.lab import ROOM_SIZE, ROOMS_PER_SIDE
 
 Steps = Mapping[str, npt.NDArray[Any]]
 """The columns of one trial, from its step 0 on: for each name of the log an array of shape (steps + 1,)."""
-Colour = tuple[int, int, int]
-
-# Okabe and Ito's colours, which colour-blind people tell apart; robot red and human blue as in the paper.
-ROBOT: Colour = (213, 94, 0)
-HUMAN: Colour = (0, 114, 178)
-VISUAL_FIELD: Colour = (86, 180, 233)
-FACING_FIELD: Colour = (0, 158, 115)
-GOAL: Colour = (240, 180, 40)
-DESIRED: Colour = (170, 60, 140)
-INK: Colour = (45, 45, 50)
-FLOOR: Colour = (246, 246, 244)
-
 LEVEL_NAMES = (
     "Not seen",
     "Seen",
@@ -31,17 +20,6 @@ LEVEL_NAMES = (
     "Called",
     "Follows",
 )
-LEVEL_COLOURS: tuple[Colour, ...] = (
-    (125, 125, 125),
-    (165, 205, 225),
-    (86, 180, 233),
-    (204, 121, 167),
-    (0, 114, 178),
-    (240, 228, 66),
-    (230, 159, 0),
-    (0, 158, 115),
-)
-
 MOVES, STAYS, LOOKS, SAYS_HELLO, CALLS, POINTS, GOES = ACTION_KINDS = (
     "Moves",
     "Stays",
@@ -50,15 +28,6 @@ MOVES, STAYS, LOOKS, SAYS_HELLO, CALLS, POINTS, GOES = ACTION_KINDS = (
     "Come",
     "Point",
     "Goes to view",
-)
-ACTION_COLOURS: tuple[Colour, ...] = (
-    (150, 150, 150),
-    (80, 80, 80),
-    (86, 180, 233),
-    (240, 228, 66),
-    (230, 159, 0),
-    (204, 121, 167),
-    (0, 114, 178),
 )
 _KINDS = {
     Action.STAY: STAYS,
@@ -89,24 +58,7 @@ _HUMAN_DOES = (
 )
 _HUMAN_PART = (0, 1, 2, 1, 2, 3, 4, 5)
 """What of an interaction level is the human's: it does not change where the robot alone turned."""
-_ENGAGED = InteractionLevel.GREETED
-
-
-class Moment(NamedTuple):
-    """A step at which something changes; `kind` is one of the constants below."""
-
-    step: int
-    kind: str
-
-
-SEEN, GREETED, CALLED, FOLLOWING = "seen", "greeted", "called", "following"
-REACHED, REWARDED, LOST = "goal reached", "rewarded", "attention lost"
-FACTS = (SEEN, GREETED, FOLLOWING, REACHED, LOST)
-"""The kinds of moment that every interaction worth telling has."""
-
-
-MOST_PANELS = 12
-"""As many panels as a strip of one page has."""
+ENGAGED = InteractionLevel.GREETED
 
 
 def room_name(room: int) -> str:
@@ -160,43 +112,6 @@ def caption(steps: Steps, step: int) -> str:
     return "; ".join(parts)
 
 
-def moments(steps: Steps) -> list[Moment]:
-    """The moments of a trial in their order; of unbroken rewards in a training only the first is one."""
-    return list(_moments(steps))
-
-
-def strip_steps(steps: Steps) -> list[int]:
-    """The steps that a comic strip shows: how the trial begins, then its first moments."""
-    return sorted({0, *(moment.step for moment in moments(steps))})[:MOST_PANELS]
-
-
-def facts(steps: Steps) -> dict[str, int]:
-    """The step of the first moment of each kind in `FACTS`, as far as the trial has them."""
-    first: dict[str, int] = {}
-    for moment in moments(steps):
-        first.setdefault(moment.kind, moment.step)
-    return {kind: first[kind] for kind in FACTS if kind in first}
-
-
-def _moments(steps: Steps) -> Iterator[Moment]:
-    levels, rewards = steps.get("interaction_level"), steps["reward"]
-    unseen = True
-    for step in range(len(rewards)):
-        if levels is not None:
-            before, after = (int(levels[step - 1]) if step else InteractionLevel.NOT_SEEN), int(levels[step])
-            if before >= _ENGAGED > after:
-                yield Moment(step, LOST)
-                unseen = True
-            if unseen and after != InteractionLevel.NOT_SEEN:
-                unseen = False
-                if before < _ENGAGED:
-                    yield Moment(step, SEEN)
-            if after >= _ENGAGED and after != before:
-                yield Moment(step, (GREETED, CALLED, FOLLOWING)[after - _ENGAGED])
-        if step and rewards[step] > 0 and ("executed_action" in steps or rewards[step - 1] == 0):
-            yield Moment(step, REACHED if "goal_room" in steps else REWARDED)
-
-
 def _physical(steps: Steps, step: int, action: int) -> str:
     if action == Action.POINT:
         return f"points {direction_name(steps['desired_direction'][step - 1])}"
@@ -222,21 +137,21 @@ def _human(steps: Steps, step: int) -> str:
     before = int(levels[step - 1]) if step else after
     action = int(executed(steps)[step])
     move = int(steps["human_action"][step]) if "human_action" in steps else int(Action.STAY)
-    if before >= _ENGAGED > after:
+    if before >= ENGAGED > after:
         asides = [*_why(steps, step), *([_way(steps, step, move, "human", "wanders")] if move < N_MOVES else [])]
         lost = f"loses attention, {', '.join(asides)}," if asides else "loses attention"
         sees = "and no longer sees it" if after == InteractionLevel.NOT_SEEN else f"but still {_HUMAN_DOES[after]}"
         return f"the human {lost} {sees}"
-    if action == Action.HELLO and after == _ENGAGED and before != after:
-        sees = ("sees it", "faces it", "was distracted")[_HUMAN_PART[min(before, _ENGAGED)] - 1]
+    if action == Action.HELLO and after == ENGAGED and before != after:
+        sees = ("sees it", "faces it", "was distracted")[_HUMAN_PART[min(before, ENGAGED)] - 1]
         return f"the human {sees} and now {_HUMAN_DOES[after]}"
     if after == InteractionLevel.FOLLOWS and move < N_MOVES:
         return f"the human {_way(steps, step, move, 'human', 'follows')}"
     if after == before == InteractionLevel.FOLLOWS:
         return "the human waits"
-    wanders = after < _ENGAGED and move < N_MOVES
+    wanders = after < ENGAGED and move < N_MOVES
     first = f"{_way(steps, step, move, 'human', 'wanders')} and " if wanders else ""
-    ignores = "does not react: it " if action == Action.HELLO and after < _ENGAGED else ""
+    ignores = "does not react: it " if action == Action.HELLO and after < ENGAGED else ""
     return f"the human {ignores}{first}{_sight(before, after)}"
 
 
@@ -252,10 +167,23 @@ def _sight(before: int, after: int) -> str:
     return "no longer sees it" if after == InteractionLevel.NOT_SEEN else f"now {_HUMAN_DOES[after]}"
 
 
+def there_already(steps: Steps, step: int) -> bool:
+    """Whether a goal of a step was no achievement: who should come to the room began the trial there."""
+    if step != 1 or "goal_room" not in steps:
+        return False
+    who = "human" if "human_row" in steps else "robot"
+    row, col = int(steps[f"{who}_row"][0]), int(steps[f"{who}_col"][0])
+    return row // ROOM_SIZE * ROOMS_PER_SIDE + col // ROOM_SIZE == int(steps["goal_room"][0])
+
+
 def _rewarded(steps: Steps, step: int) -> str:
     if "executed_action" in steps:
-        reached, following = steps["goal_room"][step - 1], steps["goal_room"][step]
-        return f"goal reached in {room_name(reached)}, the next is {room_name(following)}"
+        reached, following = room_name(steps["goal_room"][step - 1]), room_name(steps["goal_room"][step])
+        how = f"the human began in goal {reached}" if there_already(steps, step) else f"goal reached in {reached}"
+        return f"{how}, the next is {following}"
     if "desired_direction" in steps:
         return f"rewarded: the human went {direction_name(steps['desired_direction'][step - 1])}"
-    return f"rewarded: in {room_name(steps['goal_room'][step])}" if "goal_room" in steps else "rewarded: in view"
+    if "goal_room" not in steps:
+        return "rewarded: in view"
+    began = ", where it began" if there_already(steps, step) else ""
+    return f"rewarded: in {room_name(steps['goal_room'][step])}{began}"

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from visitlab_cli.story import Moment, caption, captions, facts, moments, strip_steps
+from visitlab_cli.scene.moments import Moment, facts, left_out, moments, strip_steps
+from visitlab_cli.scene.words import caption, captions
 from visitlab_cli.world.enums import Action, Direction, InteractionLevel
 
 LEVEL = InteractionLevel
@@ -137,12 +138,49 @@ def test_moments_and_facts():
     assert strip_steps(steps) == [0, 2, 4, 6, 7, 8, 9, 11]
 
 
+def test_what_a_strip_leaves_out():
+    steps = visit(*({"interaction_level": LEVEL.FOLLOWS, "reward": int(step > 0)} for step in range(16)))
+    shown = strip_steps(steps)
+    assert shown == list(range(12))
+    assert left_out(steps, shown) == "4 more steps with a moment, up to step 15"
+    assert left_out(steps, range(15)) == "1 more step with a moment, up to step 15"
+    assert left_out(steps, range(16)) == ""
+
+
+@pytest.mark.parametrize(
+    ("row", "col", "words", "kind"),
+    [
+        (8, 8, "the human began in goal Room 4, the next is Room 7", "began in the goal room"),
+        (15, 15, "the human began in goal Room 4, the next is Room 7", "began in the goal room"),
+        (7, 8, "goal reached in Room 4, the next is Room 7", "goal reached"),
+        (8, 16, "goal reached in Room 4, the next is Room 7", "goal reached"),
+    ],
+)
+def test_a_goal_that_the_human_stood_in_from_the_start_is_none_that_it_was_led_to(row, col, words, kind):
+    steps = visit({**BEGIN, "human_row": row, "human_col": col}, {"reward": 1, "goal_room": 7}, {"reward": 1})
+    assert caption(steps, 1).endswith(f"; {words}")
+    assert [moment for moment in moments(steps) if moment.step == 1] == [Moment(1, kind)]
+    assert moments(steps)[-1] == Moment(2, "goal reached")
+    assert facts(steps)["goal reached"] == (2 if "began" in kind else 1)
+
+
+@pytest.mark.parametrize(("row", "began"), [(9, True), (7, False)])
+def test_a_robot_that_began_in_the_goal_room_did_not_reach_it(row, began):
+    rows = [{"robot_row": at, "robot_col": 9, "reward": reward} for at, reward in ((row, 0), (8, 1), (8, 1))]
+    whole = visit(*rows)
+    columns = ("step", "action", "explored", "reward", "robot_row", "robot_col", "goal_room")
+    steps = {name: whole[name] for name in columns}
+    assert caption(steps, 1).endswith("rewarded: in Room 4, where it began" if began else "rewarded: in Room 4")
+    assert caption(steps, 2).endswith("rewarded: in Room 4")
+    assert moments(steps) == [Moment(1, "began in the goal room" if began else "goal reached")]
+
+
 @pytest.mark.parametrize("task", ["navigation", "go_to_human", "social", "visit"])
 def test_every_recorded_step_has_a_caption(trial_of, task):
     trial = trial_of(task)
     told = captions(trial.steps)
     assert len(told) == trial.last_step + 1
     assert told[0].startswith("the trial begins")
-    assert [("reward" in words or "goal reached" in words) for words in told[1:]] == [
+    assert [("reward" in words or "goal" in words) for words in told[1:]] == [
         reward > 0 for reward in trial.steps["reward"][1:]
     ]

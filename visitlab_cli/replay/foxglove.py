@@ -23,9 +23,13 @@ from google.protobuf.timestamp_pb2 import Timestamp
 from mcap.well_known import MessageEncoding, SchemaEncoding
 from mcap.writer import Writer
 
-from visitlab_cli.recording import foxglove_schema, schema
-from visitlab_cli.recording.foxglove_scene import Fields, Look, ShownTrial, lab_entities, scene_entities, transforms
-from visitlab_cli.recording.foxglove_schema import FRAME_TRANSFORMS, LOG, SCENE_UPDATE, message_class
+from visitlab_cli.recording import schema
+from visitlab_cli.replay import foxglove_schema
+from visitlab_cli.replay.foxglove_scene import Fields, lab_entities, scene_entities, transforms
+from visitlab_cli.replay.foxglove_schema import FRAME_TRANSFORMS, LOG, SCENE_UPDATE, message_class
+from visitlab_cli.scene.scene import Scene
+from visitlab_cli.scene.trial import Trial
+from visitlab_cli.scene.words import caption
 from visitlab_cli.whole_file import new_file
 
 TF, LAB, SCENE, CAPTION = "/tf", "/lab", "/scene", "/caption"
@@ -38,7 +42,7 @@ class _Sent(NamedTuple):
     message: Any
 
 
-def write_foxglove(path: Path, trials: Iterable[ShownTrial], look: Look) -> int:
+def write_foxglove(path: Path, trials: Iterable[Trial]) -> int:
     """Write trials, one after the other, to a new file; returns the number of rows written.
 
     Raises:
@@ -51,9 +55,10 @@ def write_foxglove(path: Path, trials: Iterable[ShownTrial], look: Look) -> int:
         writer.start(library=NAME)
         channels = _channels(writer)
         for trial in trials:
-            for row in range(len(trial.steps["step"])):
+            scene = Scene(trial)
+            for step in range(trial.length):
                 time = rows * schema.STEP_NS
-                for topic, message in _messages(trial, row, time, look):
+                for topic, message in _messages(scene, step, time):
                     writer.add_message(channels[topic], time, message.SerializeToString(), time, rows)
                 rows += 1
         writer.finish()  # type: ignore[no-untyped-call]  # mcap leaves it unannotated
@@ -73,17 +78,18 @@ def _channels(writer: Writer) -> dict[str, int]:
     }
 
 
-def _messages(trial: ShownTrial, row: int, time: int, look: Look) -> Iterator[_Sent]:
-    """What is sent for a row of a trial."""
+def _messages(scene: Scene, step: int, time: int) -> Iterator[_Sent]:
+    """What is sent for a step of a trial."""
     now = {"timestamp": Timestamp(seconds=time // schema.STEP_NS).ToJsonString()}
-    moved = [now | transform for transform in transforms(trial, row)]
+    steps = scene.trial.steps
+    moved = [now | transform for transform in transforms(scene, step)]
     yield _Sent(TF, _made(FRAME_TRANSFORMS, {"transforms": moved}))
-    if row == 0:
-        yield _Sent(LAB, _made(SCENE_UPDATE, {"entities": [now | each for each in lab_entities(trial, look)]}))
-    yield _Sent(SCENE, _made(SCENE_UPDATE, {"entities": [now | each for each in scene_entities(trial, row, look)]}))
-    words = f"trial {trial.number}, step {trial.steps['step'][row]}: {trial.captions[row]}"
+    if step == 0:
+        yield _Sent(LAB, _made(SCENE_UPDATE, {"entities": [now | each for each in lab_entities(scene)]}))
+    yield _Sent(SCENE, _made(SCENE_UPDATE, {"entities": [now | each for each in scene_entities(scene, step)]}))
+    words = f"trial {scene.trial.number}, step {steps['step'][step]}: {caption(steps, step)}"
     yield _Sent(CAPTION, _made(LOG, now | {"level": "INFO", "message": words, "name": NAME}))
-    values = {name: column[row].item() for name, column in trial.steps.items()}
+    values = {name: column[step].item() for name, column in steps.items()}
     yield _Sent(schema.STEP_TOPIC, _step_class()(**values))
 
 

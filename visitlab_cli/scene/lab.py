@@ -1,0 +1,71 @@
+"""The place where a trial plays, as shapes: floor, rooms with their names, goal rooms with their flag."""
+
+import numpy as np
+
+from visitlab_cli.scene.colours import FLAG, FLOOR, GOAL_FLOOR, INK, REACHED_FLOOR, TILE, WALL
+from visitlab_cli.scene.shapes import Area, Line, Polygon, Role, Shape, Style, Vectors
+from visitlab_cli.scene.words import room_name
+from visitlab_cli.world.lab import LAB_SIZE, N_ROOMS, ROOM_SIZE, ROOMS_PER_SIDE
+
+TILE_SIDE = 4
+"""Of the tiles of an open floor, in cells; in the lab each cell is one."""
+FLAG_FOOT = (6.2, 2.4)
+"""Where a goal room's flag stands, from the room's corner."""
+POLE = ((0.0, 0.0), (0.0, -1.9))
+CLOTH = ((0.0, -1.9), (1.4, -1.4), (0.0, -0.9))
+"""Points of the flag, from its foot."""
+
+
+def lab_shapes() -> list[Shape]:
+    """The lab: its floor of cells, and its rooms."""
+    rooms = [_room(Role.ROOM, room, Style(WALL, 0.12), room_name(room)) for room in range(N_ROOMS)]
+    return [_floor(LAB_SIZE), *_tiles((0, LAB_SIZE), (0, LAB_SIZE), 1), *rooms]
+
+
+def arena_shapes(size: int, x_range: tuple[float, float], y_range: tuple[float, float]) -> list[Shape]:
+    """An open floor of `size` cells a side, with tiles where it is seen."""
+    return [_floor(size), *_tiles(_inside(x_range, size), _inside(y_range, size), TILE_SIDE)]
+
+
+def goal_shapes(room: int) -> list[Shape]:
+    """The goal room and its flag."""
+    foot = _corner(room) + np.array(FLAG_FOOT, np.float32)
+    return [
+        _room(Role.GOAL, room, Style(GOAL_FLOOR)),
+        Polygon(Role.CLOTH, foot + np.array(CLOTH, np.float32), Style(FLAG)),
+        Line(Role.POLE, foot + np.array(POLE, np.float32), Style(INK, 0.14)),
+    ]
+
+
+def reached_shape(room: int) -> Shape:
+    """The room in which a goal was just reached."""
+    return _room(Role.REACHED, room, Style(REACHED_FLOOR))
+
+
+def _floor(size: int) -> Area:
+    return Area(Role.FLOOR, _vector(0, 0), _vector(size, size), Style(FLOOR, 0.12))
+
+
+def _room(role: Role, room: int, style: Style, text: str = "") -> Area:
+    return Area(role, _corner(room), _vector(ROOM_SIZE, ROOM_SIZE), style, text)
+
+
+def _corner(room: int) -> Vectors:
+    """The north-western corner of a room."""
+    return _vector(room % ROOMS_PER_SIDE * ROOM_SIZE, room // ROOMS_PER_SIDE * ROOM_SIZE)
+
+
+def _tiles(xs: tuple[int, int], ys: tuple[int, int], side: int) -> list[Line]:
+    """Lines between the floor's tiles, between two x and two y."""
+    ends = [((x, ys[0]), (x, ys[1])) for x in range(xs[0], xs[1] + 1, side)]
+    ends += [((xs[0], y), (xs[1], y)) for y in range(ys[0], ys[1] + 1, side)]
+    return [Line(Role.TILE, np.array(pair, np.float32), Style(TILE, 0.04)) for pair in ends]
+
+
+def _inside(bounds: tuple[float, float], size: int) -> tuple[int, int]:
+    low, high = int(bounds[0] // TILE_SIDE) * TILE_SIDE, int(-(-bounds[1] // TILE_SIDE)) * TILE_SIDE
+    return max(low, 0), min(high, size)
+
+
+def _vector(x: float, y: float) -> Vectors:
+    return np.array([x, y], np.float32)
