@@ -31,7 +31,7 @@ def fields_around(distances: tuple[int, ...]) -> tuple[npt.NDArray[np.uint8], np
 
     Shapes (8, 2 REACH + 1, 2 REACH + 1), by heading, row and col, and without the heading.
     """
-    geometry = make_geometry(REACH + 1, distances)
+    geometry = make_geometry(REACH + 1, REACH + 1, distances)
     from_human = np.arange(-REACH, REACH + 1)
     north, east = np.meshgrid(from_human, -from_human, indexing="ij")  # from a robot in that cell to the human
     to_robot = geometry.bearing[north + geometry.reach, east + geometry.reach] + BEHIND
