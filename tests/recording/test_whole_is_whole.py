@@ -233,3 +233,14 @@ def test_numbers_of_trials_and_steps_have_an_end(tmp_path, steps, messages):
     with pytest.raises(RunError, match=r"a.mcap: step 4000000000 of trial 1 has step 4000000000, which there is not$"):
         read_steps(path)
     assert struct.calcsize("<BQHIQQ") == 31
+
+
+@pytest.mark.parametrize("between", [b"", PRIVATE])
+def test_a_cut_outside_of_chunks_costs_the_cut_message_alone(tmp_path, messages, between):
+    data = raw.whole(raw.HEADER, DEFINED, joined(messages, between))
+    ends = [data.index(each) + len(each) for each in messages]
+    path, fixed = tmp_path / "a.mcap", tmp_path / "fixed.mcap"
+    for cut in range(ends[0], len(data), 97):
+        path.write_bytes(data[:cut])
+        fixed.unlink(missing_ok=True)
+        assert len(read_steps(recover(path, fixed).path)["step"]) == sum(end <= cut for end in ends), cut

@@ -31,7 +31,7 @@ from visitlab_cli.recording.attachments import CRC_SIZE, Attached, attached
 from visitlab_cli.recording.chunks import chunk_at, chunk_content, content_size, records_in
 from visitlab_cli.recording.foreign import MESSAGE_HEAD
 from visitlab_cli.recording.mcap_file import INDEX_ENTRY, INDEX_HEAD, record_bytes
-from visitlab_cli.recording.source import MAGIC, PREFIX, WINDOW, DamagedError, McapSource, Place
+from visitlab_cli.recording.source import MAGIC, NO_OPCODE, PREFIX, WINDOW, DamagedError, McapSource, Place
 
 KINDS: dict[int, type[McapRecord]] = {
     Opcode.HEADER: Header,
@@ -47,6 +47,8 @@ KINDS: dict[int, type[McapRecord]] = {
     Opcode.DATA_END: DataEnd,
 }
 FOLLOWERS = 3
+MOST_LENGTH = 1 << 40
+"""Bytes; a number that is larger is no length of a record."""
 ANOTHER_FILE = -1
 """In the place of an opcode: here another file begins."""
 LOOK = 1 << 12
@@ -146,8 +148,8 @@ def _is_followed(source: McapSource, place: Place, count: int) -> bool:
 def _is_cut(source: McapSource, position: int) -> bool:
     """Whether what begins at a position is what a crash leaves there: the beginning of a record, or zeros."""
     prefix = source.read(position, position + PREFIX.size)
-    is_record = _MAY_BEGIN.match(prefix) is not None and position + PREFIX.unpack(prefix)[1] + PREFIX.size > source.size
-    return is_record or not any(prefix)
+    opcode, length = PREFIX.unpack(prefix)
+    return not any(prefix) or (opcode != NO_OPCODE and source.size - position < length + PREFIX.size < MOST_LENGTH)
 
 
 def _whole(source: McapSource, place: Place) -> Whole:
