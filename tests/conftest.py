@@ -4,8 +4,9 @@ import pytest
 
 from tests.paper_runs import crossed_run, paper_run
 from tests.program import TINY, the_run, visitlab
+from tests.recorded_trials import trial_of
 
-__all__ = ["crossed_run", "paper_run"]
+__all__ = ["crossed_run", "paper_run", "trial_of"]
 
 
 @pytest.fixture(scope="session")

@@ -1,4 +1,4 @@
-"""What the tests of replay share: trials of each task from the tiny run."""
+"""What the tests of scene and replay share: trials of each task from the tiny run."""
 
 import pytest
 
