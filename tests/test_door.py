@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 import visitlab_cli
-from tests.analysis.runs_by_hand import open_lab, write_cell
 from tests.program import visitlab
+from tests.results.runs_by_hand import open_lab, write_cell
 from visitlab_cli.errors import NotFoundError, UsageError
 from visitlab_cli.recording.reader import read_steps
 from visitlab_cli.storage.arrays import read_model, read_trials

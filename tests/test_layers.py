@@ -22,6 +22,7 @@ FLOORS = [
     {"recording"},
     {"storage"},
     {"execution"},
+    {"results"},
     {"analysis"},
     {"door"},
     {"scene", "pictures"},

@@ -9,17 +9,17 @@ from typing import Any
 
 import numpy as np
 
-from visitlab_cli.analysis.evaluated import evaluated
-from visitlab_cli.analysis.summary import summaries
-from visitlab_cli.analysis.summary_export import results_table
-from visitlab_cli.analysis.summary_groups import point_of
-from visitlab_cli.analysis.summary_tables import Reader, model_of, stacked, steps_of, trials_of
 from visitlab_cli.config.canonical import canonical
 from visitlab_cli.config.problems import or_else
 from visitlab_cli.errors import NotFoundError, UsageError
 from visitlab_cli.execution.cells import Cell, plan
 from visitlab_cli.execution.evaluation import Evaluation
 from visitlab_cli.recording.reader import Columns, read_steps, read_trial
+from visitlab_cli.results.evaluated import evaluated
+from visitlab_cli.results.export import results_table
+from visitlab_cli.results.groups import point_of
+from visitlab_cli.results.summary import summaries
+from visitlab_cli.results.tables import Reader, model_of, stacked, steps_of, trials_of
 from visitlab_cli.storage.arrays import Arrays, read_model, read_trials
 from visitlab_cli.storage.cell_folder import MODEL, STEPS, TRIALS, read_cell
 from visitlab_cli.storage.made_by import sources_of

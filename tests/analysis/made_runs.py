@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from visitlab_cli.analysis.curves import COUNTERPARTS
+from visitlab_cli.analysis.counterparts import COUNTERPARTS
 from visitlab_cli.analysis.published_curves import published_curves
 from visitlab_cli.config.loading import load_text
 from visitlab_cli.execution.cell_runner import facts_of

@@ -5,7 +5,7 @@ import pytest
 
 from tests.analysis.made_runs import make_run
 from visitlab_cli.analysis.comparison import LAST, WHOLE, compare
-from visitlab_cli.analysis.curves import our_curve
+from visitlab_cli.analysis.counterparts import our_curve
 from visitlab_cli.analysis.exact_navigation import navigation_optimum, navigation_random
 from visitlab_cli.analysis.published_curves import published_curves
 from visitlab_cli.analysis.variants import open_variant, variants_beside
@@ -58,7 +58,7 @@ def test_visits_of_the_same_model_are_one_seed(tmp_path):
     for models, units in (("crossed", 3), ("first", 1), ("paired", 3)):
         run = make_run(tmp_path / models, {VISIT: 0.0}, models=models, seeds=3)
         ours = our_curve(run, plan(read_config(run)), curve)
-        assert ours.rewards.shape == (units, 50)
+        assert ours.curve.samples.shape == (units, 50)
 
 
 def test_the_published_visits_of_one_model_are_also_judged_as_one(tmp_path):

@@ -6,28 +6,31 @@ import numpy as np
 import pytest
 
 from visitlab_cli.analysis.comparison import judge_parts
-from visitlab_cli.analysis.curves import OurCurve
 from visitlab_cli.analysis.judge import Verdict, judge, worst
+from visitlab_cli.results.curves import Curve
 
 MARGIN, DRAWS, BATCHES = 0.5, 200, 100
 AGREES, UNDECIDED, DIFFERS = Verdict.AGREES, Verdict.UNDECIDED, Verdict.DIFFERS
 
 
-def curve(rewards, visits=()):
-    """A curve of ours, of which only the numbers count here."""
-    return OurCurve("group", None, rewards, visits)
+def curve(units):
+    """A curve of so many units, each with its visits, all in batches: shape (units, visits, batches)."""
+    return Curve(np.arange(BATCHES + 1), {str(place): visits for place, visits in enumerate(units)})
+
+
+def of_seeds(rewards):
+    return curve(rewards[:, None])
 
 
 def test_a_mean_of_visits_does_not_hide_the_luck_of_a_published_visit():
     random = np.random.default_rng(3)
     models, luck = random.normal(0, 0.3, (400, 1, 1)), random.normal(0, 0.6, (400, 6, 1))
     visits = np.broadcast_to(models + luck, (400, 6, BATCHES))
-    averaged = curve(visits.mean(axis=1), tuple(visits))
-    whole = judge_parts(averaged, np.zeros(BATCHES))["whole"]
+    whole = judge_parts(curve(visits), np.zeros(BATCHES))["whole"]
     of_one_visit = 0.3**2 + 0.6**2
     expected = 1.966 * math.sqrt((0.3**2 + 0.6**2 / 6) / 400 + of_one_visit / 10)
     assert (whole.high - whole.low) / 2 == pytest.approx(expected, rel=0.08)
-    alone = judge_parts(curve(averaged.rewards), np.zeros(BATCHES))["whole"]
+    alone = judge_parts(of_seeds(visits.mean(axis=1)), np.zeros(BATCHES))["whole"]
     assert alone.high - alone.low < 0.7 * (whole.high - whole.low)
 
 
@@ -38,7 +41,7 @@ def verdicts(shift, noise, seeds):
     for _ in range(DRAWS):
         published = (shape + random.normal(0, noise * MARGIN, (10, 1))).mean(axis=0)
         ours = shape + shift * MARGIN + random.normal(0, noise * MARGIN, (seeds, 1))
-        yield worst([part.verdict for part in judge_parts(curve(ours), published, MARGIN).values()])
+        yield worst([part.verdict for part in judge_parts(of_seeds(ours), published, MARGIN).values()])
 
 
 def share(found, *wanted):
@@ -67,7 +70,7 @@ def test_a_part_that_differs_makes_the_curve_differ():
     published = np.zeros(BATCHES)
     ours = np.random.default_rng(0).normal(0, 0.01, (10, 1)) + published
     ours[:, -10:] += 2
-    parts = judge_parts(curve(ours), published, MARGIN)
+    parts = judge_parts(of_seeds(ours), published, MARGIN)
     assert {name: str(part.verdict) for name, part in parts.items()} == {
         "first_tenth": "agrees",
         "middle_tenth": "agrees",

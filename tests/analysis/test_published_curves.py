@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from visitlab_cli.analysis.curves import COUNTERPARTS, in_batches
+from visitlab_cli.analysis.counterparts import COUNTERPARTS
 from visitlab_cli.analysis.published_curves import FIGURES, published_curves
+from visitlab_cli.results.curves import in_batches
 
 CURVES = {(curve.figure, curve.condition): curve for curve in published_curves()}
 
@@ -45,7 +46,7 @@ def test_values_are_those_of_the_files():
 def test_rewards_are_averaged_in_the_published_batches():
     bootstrapped = CURVES["fig6_mb_mf", "mf_bootstrapped"]
     trials = np.arange(100_000.0)
-    batches = in_batches(trials, bootstrapped)
+    batches = in_batches(trials, bootstrapped.edges)
     assert batches.shape == (100,)
     assert batches[0] == pytest.approx(25_000 + 749 / 2)
     assert batches[-1] == pytest.approx(99_999 - 749 / 2)

@@ -4,9 +4,9 @@ import shutil
 
 import pytest
 
-from tests.analysis.runs_by_hand import LAB, open_lab, reach
 from tests.commands.test_runs import json_of, tell
 from tests.program import TINY, visitlab
+from tests.results.runs_by_hand import LAB, open_lab, reach
 
 CELLS = {f"navigation/mb/seed-000{seed}": 1 for seed in range(3)}
 

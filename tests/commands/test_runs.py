@@ -10,8 +10,8 @@ import sys
 
 import pytest
 
-from tests.analysis.runs_by_hand import open_lab, reach
 from tests.program import TINY, hashes, visitlab
+from tests.results.runs_by_hand import open_lab, reach
 from visitlab_cli.cli import main
 
 

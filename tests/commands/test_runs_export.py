@@ -8,11 +8,11 @@ import pyarrow
 import pytest
 from pyarrow import parquet
 
-from tests.analysis.runs_by_hand import open_lab, write_cell
 from tests.program import visitlab
-from visitlab_cli.analysis.summary_export import export_table, for_spreadsheets
+from tests.results.runs_by_hand import open_lab, write_cell
 from visitlab_cli.errors import UsageError
 from visitlab_cli.recording.reader import read_steps
+from visitlab_cli.results.export import export_table, for_spreadsheets
 from visitlab_cli.storage.arrays import read_trials
 
 

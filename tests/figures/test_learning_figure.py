@@ -2,19 +2,15 @@
 
 import csv
 import shutil
-from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from tests.paper_runs import CONFIGS, SEEDS, UNTIL
+from tests.paper_runs import SEEDS, UNTIL
 from visitlab_cli.analysis.exact_navigation import navigation_optimum, navigation_random
-from visitlab_cli.config.loading import load
-from visitlab_cli.execution.cells import plan
 from visitlab_cli.figures.designs import FIG_6, FIG_8
-from visitlab_cli.figures.learning import independent_units, spread
 from visitlab_cli.figures.learning_figure import draw_fig6, draw_fig8
-from visitlab_cli.figures.source import Group, open_source
+from visitlab_cli.figures.source import open_source
 from visitlab_cli.storage.arrays import read_trials
 
 T_OF_ONE = 12.706205  # Student's t, 1 degree of freedom, 97.5%
@@ -134,7 +130,7 @@ def test_every_band_is_named(drawings):
 def test_crossed_visits_show_both_spreads(crossed_run):
     drawing = draw_fig8(open_source(crossed_run))
     axes = panel(drawing, "Visit the lab, trained with Human 2")
-    assert axes.get_ylabel().endswith("(mean, n = 2 models)")
+    assert axes.get_ylabel().endswith("(mean, n = 2 models, 4 visits)")
     notes = [text.get_text() for text in axes.texts if "between models" in text.get_text()]
     lines = notes[0].splitlines()
     assert lines[:2] == ["standard deviation in the last quarter", "between models, between visits"]
@@ -144,30 +140,6 @@ def test_crossed_visits_show_both_spreads(crossed_run):
     assert y == pytest.approx(ours.mean(axis=(0, 1)))
     interval = T_OF_ONE * ours.mean(axis=1).std(axis=0, ddof=1) / np.sqrt(2)
     assert band(axes, "interval/visit/human_2")[1] == pytest.approx(interval, rel=1e-6)
-
-
-def test_spreads_are_components_of_variance(monkeypatch):
-    models, visits = 200, 30
-    cells = plan(load(CONFIGS / "paper/variants/fig8_crossed.yaml", ["seeds=1"]))
-    visit = next(cell for cell in cells if cell.modules)
-    made = [replace(visit, modules=visit.modules | {"social": str(k)}) for k in range(models) for _ in range(visits)]
-    random = np.random.default_rng(1)
-    values = np.repeat(random.normal(5, 0.6, models), visits) + random.normal(0, 0.3, models * visits)
-    monkeypatch.setattr(Group, "rewards", lambda group: values[:, None])
-    between, within = spread(Group("", CONFIGS, made, len(made)))
-    assert between == pytest.approx(0.6, abs=0.1)
-    assert within == pytest.approx(0.3, abs=0.02)
-
-
-@pytest.mark.parametrize(
-    ("variant", "unit", "units"),
-    [("fig8_first", "visits of one model", 10), ("fig8_planner", "seeds", 10), ("fig8_crossed", "models", 6)],
-)
-def test_what_is_independent_depends_on_the_models(variant, unit, units):
-    cells = plan(load(CONFIGS / "paper" / "variants" / f"{variant}.yaml"))
-    visits = [cell for cell in cells if cell.group == "visit/human_2"]
-    found, name = independent_units(Group("visit/human_2", CONFIGS, visits, len(visits)))
-    assert (name, len(set(found))) == (unit, units)
 
 
 def test_a_part_of_the_panels_and_cells(paper_run, tmp_path):

@@ -3,10 +3,10 @@
 import pytest
 
 from tests.pictures.within import outside, upon_another, words_of
-from visitlab_cli.analysis.matrix import MODES, Goals, Matrix, Pairing
-from visitlab_cli.analysis.summary_estimate import Estimate
-from visitlab_cli.figures.matrix import draw_matrix
+from visitlab_cli.figures.matrix_picture import draw_matrix
 from visitlab_cli.pictures.style import STYLE, styled
+from visitlab_cli.results.estimates import Estimate
+from visitlab_cli.results.matrix import MODES, Goals, Matrix, Pairing
 
 
 def matrix_of(humans, visit="visit", social="social/mb"):

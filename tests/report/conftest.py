@@ -2,7 +2,7 @@
 
 import pytest
 
-from tests.analysis.runs_by_hand import VERSIONS, reach
+from tests.results.runs_by_hand import VERSIONS, reach
 from visitlab_cli.config.loading import load_text
 from visitlab_cli.execution.cells import plan
 from visitlab_cli.report.making import make_report

@@ -2,10 +2,10 @@
 
 import pytest
 
-from tests.analysis.runs_by_hand import open_lab, reach
-from visitlab_cli.analysis.summary_groups import Group, groups_of
+from tests.results.runs_by_hand import open_lab, reach
 from visitlab_cli.report.curves import charts_of
 from visitlab_cli.report.hues import COLOURS, Hues
+from visitlab_cli.results.groups import Group, groups_of
 
 OTHER_VISIT = """
   visit_mf:

@@ -2,8 +2,9 @@
 
 import pytest
 
-from visitlab_cli.analysis.summary_groups import Group
-from visitlab_cli.report.names import breakable, names_within, short_paths
+from visitlab_cli.report.names import breakable, names_within
+from visitlab_cli.results.groups import Group
+from visitlab_cli.results.varying import Varying, varying
 
 
 def group(experiment="social", agent="mb", human="shy", **point):
@@ -25,20 +26,11 @@ def test_a_name_breaks_behind_words_and_never_in_a_number(text, shown):
     assert breakable(text) == shown
 
 
-def test_paths_are_as_short_as_they_can_be_told_apart():
-    groups = [group(agents__mb__epsilon="0"), group(agents__ql__epsilon="0", humans__shy__p_A="1")]
-    assert short_paths(groups) == {
-        "agents.mb.epsilon": "mb.epsilon",
-        "agents.ql.epsilon": "ql.epsilon",
-        "humans.shy.p_A": "p_A",
-    }
-
-
 def test_what_differs_names_a_curve():
-    assert names_within([group(agent="mb"), group(agent="ql")], {}) == ["mb", "ql"]
+    assert names_within([group(agent="mb"), group(agent="ql")], Varying({})) == ["mb", "ql"]
     visits = [group("visit_mb", "mb"), group("visit_ql", "ql")]
-    assert names_within(visits, {}) == ["mb", "ql"]
+    assert names_within(visits, Varying({})) == ["mb", "ql"]
     same = [group("first", human="shy"), group("second", human="shy")]
-    assert names_within(same, {}) == ["first · mb · shy", "second · mb · shy"]
+    assert names_within(same, Varying({})) == ["first · mb · shy", "second · mb · shy"]
     varied = [group(humans__shy__p_A="0.1"), group(humans__shy__p_A="0.2")]
-    assert names_within(varied, short_paths(varied)) == ["p_A=0.1", "p_A=0.2"]
+    assert names_within(varied, varying(each.point for each in varied)) == ["p_A=0.1", "p_A=0.2"]

@@ -5,15 +5,16 @@ import re
 import numpy as np
 import pytest
 
-from tests.analysis.runs_by_hand import open_lab, reach
 from tests.report.parsed import Parsed
-from visitlab_cli.analysis.pairs import Side
-from visitlab_cli.analysis.results import Result
+from tests.results.runs_by_hand import open_lab, reach
 from visitlab_cli.config.loading import load_text
 from visitlab_cli.report.best_trial import best_trials
-from visitlab_cli.report.curves import batch_edges, charts_of, in_batches
+from visitlab_cli.report.curves import batch_edges, charts_of
 from visitlab_cli.report.making import gather, make_report
 from visitlab_cli.report.page import render
+from visitlab_cli.results.curves import in_batches
+from visitlab_cli.results.expected import Result
+from visitlab_cli.results.pairs import Side
 from visitlab_cli.storage.arrays import read_trials
 from visitlab_cli.storage.run_folder import read_config, read_versions, run_name
 

@@ -5,7 +5,7 @@ import shutil
 
 import pytest
 
-from tests.analysis.runs_by_hand import VERSIONS, open_lab, reach
+from tests.results.runs_by_hand import VERSIONS, open_lab, reach
 from visitlab_cli.storage.cell_folder import to_json
 from visitlab_cli.storage.run_folder import open_run, read_config, read_versions
 from visitlab_cli.storage.verify import set_faults_aside, verify

@@ -11,12 +11,13 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from visitlab_cli.analysis.curves import Absent, OurCurve, our_curve, our_curves
+from visitlab_cli.analysis.counterparts import Absent, OurCurve, our_curve, our_curves
 from visitlab_cli.analysis.exact_values import Possible, possible
 from visitlab_cli.analysis.judge import MARGIN, PUBLISHED_SEEDS, Judgement, Verdict, judge, worst
 from visitlab_cli.analysis.published_curves import PublishedCurve
 from visitlab_cli.analysis.variants import Variant, changes
 from visitlab_cli.execution.cells import Cell
+from visitlab_cli.results.curves import Curve
 
 FIRST, MIDDLE, LAST, WHOLE = ("first_tenth", "middle_tenth", "last_tenth", "whole")
 UNEXPLAINED = "unexplained"
@@ -81,7 +82,7 @@ class Comparison(NamedTuple):
             "condition": self.published.condition,
             "group": self.ours.group,
             "verdict": str(self.verdict),
-            "seeds": len(self.ours.rewards),
+            "seeds": self.ours.curve.counted.n,
             "parts": {name: part.as_json() | {"cause": self.cause_of(name)} for name, part in self.parts.items()},
             "share_of_the_possible_last_tenth": share,
             "if_published_is_one_model": {name: part.as_json() for name, part in self.one_model.items()} or None,
@@ -119,10 +120,10 @@ def compare(run: Path, cells: Sequence[Cell], variants: Sequence[Variant] = (), 
         if isinstance(ours, Absent):
             compared.absent.append((published, ours))
             continue
-        parts = judge_parts(ours, published.mean, margin)
+        parts = judge_parts(ours.curve, published.mean, margin)
         differing = worst([part.verdict for part in parts.values()]) != Verdict.AGREES
         tried = [each for variant in variants if (each := _try(variant, ours, published, margin))] if differing else []
-        one_model = judge_parts(ours, published.mean, margin, 1) if published.figure in RESTS_ON_ONE_MODEL else {}
+        one_model = judge_parts(ours.curve, published.mean, margin, 1) if published.figure in RESTS_ON_ONE_MODEL else {}
         distances = ours.cell.config.interaction.distances
         best = possible(ours.cell.settings, distances)
         compared.curves.append(Comparison(published, ours, parts, one_model, best, tried))
@@ -152,12 +153,12 @@ def part_slices(batches: int) -> dict[str, slice]:
 
 
 def judge_parts(
-    ours: OurCurve, published: npt.NDArray[np.float64], margin: float = MARGIN, published_seeds: int = PUBLISHED_SEEDS
+    ours: Curve, published: npt.NDArray[np.float64], margin: float = MARGIN, published_seeds: int = PUBLISHED_SEEDS
 ) -> dict[str, Judgement]:
     """Judge a curve of ours against a published one, shape (batches,), part by part."""
     judged = {}
     for name, part in part_slices(len(published)).items():
-        values = ours.rewards[:, part].mean(axis=1).tolist()
+        values = ours.samples[:, part].mean(axis=1).tolist()
         lost = ours.averaged_away(part)
         judged[name] = judge(values, fmean(published[part]), margin, published_seeds, lost)
     return judged
@@ -168,4 +169,4 @@ def _try(variant: Variant, ours: OurCurve, published: PublishedCurve, margin: fl
     if isinstance(theirs, Absent):
         return None
     changed = changes(ours.cell, theirs.cell)
-    return Tried(variant.run.name, changed, judge_parts(theirs, published.mean, margin)) if changed else None
+    return Tried(variant.run.name, changed, judge_parts(theirs.curve, published.mean, margin)) if changed else None

@@ -14,7 +14,7 @@ from enum import StrEnum
 from statistics import NormalDist, fmean
 from typing import Any, NamedTuple
 
-from visitlab_cli.analysis.intervals import CONFIDENCE, deviation, t_quantile
+from visitlab_cli.results.intervals import CONFIDENCE, deviation, t_quantile
 
 PUBLISHED_SEEDS = 10
 MARGIN = 0.5

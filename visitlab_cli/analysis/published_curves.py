@@ -36,6 +36,11 @@ class PublishedCurve(NamedTuple):
         """How many trials a run needs to cover the curve."""
         return self.first_trial + len(self.x) * self.trials_in_batch
 
+    @property
+    def edges(self) -> npt.NDArray[np.int64]:
+        """The trials at which the batches begin and the last one ends, shape (batches + 1,)."""
+        return np.arange(self.first_trial, self.trials + 1, self.trials_in_batch)
+
 
 FIGURES = ("fig6_navigation", "fig6_go_to_human", "fig6_social", "fig6_mb_mf", "fig8_humans", "fig8_adaptation")
 

@@ -139,7 +139,7 @@ def _row(each: "Comparison") -> list[str]:
     last = each.parts["last_tenth"]
     shares = [each.possible.share(value) for value in (last.ours, last.published)] if each.possible else []
     possible = "{:.1%} ({:.1%})".format(*shares) if shares else "-"
-    names = each.published.figure, each.published.condition, str(each.verdict), str(len(each.ours.rewards))
+    names = each.published.figure, each.published.condition, str(each.verdict), str(each.ours.curve.counted.n)
     return [*names, *(_difference(part) for part in each.parts.values()), possible]
 
 
@@ -155,7 +155,7 @@ def _remarks(each: "Comparison") -> list[str]:
     causes = {part: each.cause_of(part) for part, found in each.parts.items() if found.verdict == "differs"}
     lines += [f"{name}: {_words(part)}: cause: {cause}" for part, cause in causes.items() if cause != each.cause]
     open_parts = {_words(part): found for part, found in each.parts.items() if found.verdict == "undecided"}
-    if len(each.ours.rewards) < 2:
+    if each.ours.curve.counted.n < 2:
         lines.append(f"{name}: one seed has no interval; more are needed")
     elif open_parts:
         needed = [f"{part} {found.seeds_that_decide or 'no number of'} seeds" for part, found in open_parts.items()]

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from visitlab_cli.commands.optimum import aligned
 from visitlab_cli.commands.runs_words import size_in_words
 from visitlab_cli.terminal import tell, tell_json, tell_text
 
@@ -44,13 +45,7 @@ def _table(costs: "dict[str, Estimate]") -> str:
         [name, str(cost.cells), f"{cost.steps:,}", duration(cost.seconds), size_in_words(cost.bytes)]
         for name, cost in costs.items()
     ]
-    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
-    return "\n".join(
-        "  ".join(
-            [row[0].ljust(widths[0]), *(cell.rjust(width) for cell, width in zip(row[1:], widths[1:], strict=True))]
-        )
-        for row in rows
-    )
+    return aligned(rows, words=1)
 
 
 def duration(seconds: float) -> str:

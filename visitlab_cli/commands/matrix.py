@@ -10,8 +10,8 @@ from visitlab_cli.errors import UsageError, VisitlabError
 from visitlab_cli.terminal import tell, tell_json, tell_text
 
 if TYPE_CHECKING:
-    from visitlab_cli.analysis.matrix import Matrix, Planned
     from visitlab_cli.config.model import Config
+    from visitlab_cli.results.matrix import Matrix, Planned
 
 PICTURE = Path("figures", "matrix.svg")
 
@@ -40,7 +40,7 @@ def planned_cells(run: Path, config: "Config", visit: str, humans: Sequence[str]
     Raises:
         UsageError: the config is a grid, of which each point would have a matrix.
     """
-    from visitlab_cli.analysis.matrix import plan_matrix
+    from visitlab_cli.results.matrix import plan_matrix
 
     if config.vary:
         raise UsageError(f"--matrix: {run} is a grid (its config varies {', '.join(config.vary)}); run one point of it")
@@ -54,8 +54,8 @@ def play_matrix(run: Path, planned: "Planned", picture: Path | None, how: How) -
         RunError: a cell failed, or the picture can't be written.
         UsageError: quiet and verbose at once.
     """
-    from visitlab_cli.analysis.matrix import matrix_of
-    from visitlab_cli.figures.matrix import save_matrix
+    from visitlab_cli.figures.matrix_picture import save_matrix
+    from visitlab_cli.results.matrix import matrix_of
 
     failures = run_missing(run, [cell for each in planned.values() for cell in each], how)
     if failures is None:
@@ -78,7 +78,7 @@ def play_matrix(run: Path, planned: "Planned", picture: Path | None, how: How) -
 
 def text(matrix: "Matrix") -> str:
     """A table for each mode: a row for each human trained with, a column for each that is led."""
-    from visitlab_cli.analysis.matrix import ADAPTING, FROZEN
+    from visitlab_cli.results.matrix import ADAPTING, FROZEN
 
     trials = f"{matrix.trials:,} trial{'s' if matrix.trials != 1 else ''}"
     fewest, most = matrix.seeds
@@ -94,7 +94,7 @@ def text(matrix: "Matrix") -> str:
 
 
 def _table(matrix: "Matrix", mode: str) -> str:
-    from visitlab_cli.analysis.matrix import Pairing
+    from visitlab_cli.results.matrix import Pairing
 
     rows = [["trained with", *matrix.met]]
     for trained in matrix.trained:

@@ -6,14 +6,15 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
+from visitlab_cli.commands.optimum import aligned
 from visitlab_cli.errors import RunError, UsageError
 from visitlab_cli.terminal import plain, tell, tell_json, tell_text
 
 if TYPE_CHECKING:
-    from visitlab_cli.analysis.results import Result
     from visitlab_cli.config.model import Config
     from visitlab_cli.execution.cells import Cell
     from visitlab_cli.execution.runner import Failures
+    from visitlab_cli.results.expected import Result
 
 
 class How(NamedTuple):
@@ -33,9 +34,9 @@ def run_config(out: Path, config: "Config", cells_of: "Callable[[Config], list[C
         RunError: as `run_and_tell`, or the folder can't be written.
         ConfigError: an expected value can never be checked.
     """
-    from visitlab_cli.analysis.results import check_expected
     from visitlab_cli.execution.cells import plan
     from visitlab_cli.execution.versions import versions
+    from visitlab_cli.results.expected import check_expected
     from visitlab_cli.storage.nearest import news_of
     from visitlab_cli.storage.run_folder import mend_config, open_run, run_name
 
@@ -61,7 +62,7 @@ def run_and_tell(run: Path, config: "Config", cells: "Sequence[Cell]", how: How)
     failures = run_missing(run, cells, how)
     if failures is None:
         return
-    from visitlab_cli.analysis.results import results
+    from visitlab_cli.results.expected import results
 
     lines = results(run, config, cells)
     if how.as_json:
@@ -146,20 +147,12 @@ def table(lines: Sequence["Result"]) -> str:
         row = [line.group, line.measure, f"{line.done}/{line.cells}", _number(line.value, "")]
         if expecting:
             numbers = (line.expected, ""), (line.difference, "+"), (line.tolerance, "")
-            row += [_number(value, sign) for value, sign in numbers] + (["MISSED"] if line.missed else [])
+            row += [_number(value, sign) for value, sign in numbers]
         rows.append(row)
     rows = [list(map(plain, row)) for row in rows]
-    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
-    return "\n".join(_aligned(row, widths) for row in rows)
+    missed = ["", *("  MISSED" if line.missed else "" for line in lines)]
+    return "\n".join(map("".join, zip(aligned(rows, words=2).splitlines(), missed, strict=True)))
 
 
 def _number(value: float | None, sign: str) -> str:
     return "-" if value is None else f"{value:{sign}.2f}"
-
-
-def _aligned(row: list[str], widths: list[int]) -> str:
-    cells = [
-        cell.ljust(width) if column < 2 else cell.rjust(width)
-        for column, (cell, width) in enumerate(zip(row, widths, strict=False))
-    ]
-    return "  ".join(cells + row[len(widths) :]).rstrip()

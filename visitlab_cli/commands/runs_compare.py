@@ -7,8 +7,8 @@ from visitlab_cli.commands.optimum import aligned
 from visitlab_cli.terminal import plain, tell_json, tell_text
 
 if TYPE_CHECKING:
-    from visitlab_cli.analysis.pairs import Pair
     from visitlab_cli.execution.cells import Cell
+    from visitlab_cli.results.pairs import Pair
 
 
 MOST_NAMED = 6
@@ -16,8 +16,8 @@ MOST_NAMED = 6
 
 def tell_by(folder: Path, key: str, as_json: bool) -> None:
     """Print all pairs of conditions of a run that differ in `key` alone."""
-    from visitlab_cli.analysis.pairs import compare_by
     from visitlab_cli.execution.cells import plan
+    from visitlab_cli.results.pairs import compare_by
     from visitlab_cli.storage.run_folder import read_config
 
     cells = plan(read_config(folder))
@@ -47,9 +47,9 @@ def _by_different_code(planned: "dict[Path, list[Cell]]") -> list[str]:
 
 def tell_runs(first: Path, second: Path, as_json: bool) -> None:
     """Print each condition that two runs have in common, and how their configs differ."""
-    from visitlab_cli.analysis.pairs import compare_runs
     from visitlab_cli.config.canonical import hashed
     from visitlab_cli.execution.cells import plan
+    from visitlab_cli.results.pairs import compare_runs
     from visitlab_cli.storage.differences import differences, in_words
     from visitlab_cli.storage.run_folder import read_config
 

@@ -18,10 +18,10 @@ def tell_table(
         UsageError: there is no such content, or the file's name does not end in the kind.
         NotFoundError: no finished cell matches.
     """
-    from visitlab_cli.analysis.summary_export import CONTENTS, export_table
     from visitlab_cli.config.problems import or_else
     from visitlab_cli.errors import NotFoundError, UsageError
     from visitlab_cli.execution.cells import plan
+    from visitlab_cli.results.export import CONTENTS, export_table
     from visitlab_cli.storage.cell_folder import read_cell
     from visitlab_cli.storage.run_folder import find_run, read_config
 

@@ -9,12 +9,12 @@ from visitlab_cli.commands.runs_words import age_in_words, number, size_in_words
 from visitlab_cli.terminal import tell, tell_json, tell_text
 
 if TYPE_CHECKING:
-    from visitlab_cli.analysis.summary_runs import RunLine
+    from visitlab_cli.results.runs import RunLine
 
 
 def command(out: Out = RUNS, as_json: Json = False) -> None:
     """List the runs, the latest first: how far, how many seeds, how large, changed how long ago."""
-    from visitlab_cli.analysis.summary_runs import run_lines
+    from visitlab_cli.results.runs import run_lines
 
     lines = run_lines(out)
     if as_json:

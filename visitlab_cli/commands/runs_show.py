@@ -12,8 +12,8 @@ from visitlab_cli.commands.runs_words import age_in_words, number, run_again, si
 from visitlab_cli.terminal import plain, tell, tell_json, tell_text
 
 if TYPE_CHECKING:
-    from visitlab_cli.analysis.summary import Summary
-    from visitlab_cli.analysis.summary_runs import RunLine
+    from visitlab_cli.results.runs import RunLine
+    from visitlab_cli.results.summary import Summary
 
 
 def command(
@@ -25,12 +25,12 @@ def command(
     as_json: Json = False,
 ) -> None:
     """Show what a run reached: mean with 95% interval, median, seeds, steps to a level, seconds."""
-    from visitlab_cli.analysis.evaluated import evaluated
-    from visitlab_cli.analysis.summary import summaries
-    from visitlab_cli.analysis.summary_runs import run_line
     from visitlab_cli.config.canonical import config_hash
     from visitlab_cli.errors import UsageError
     from visitlab_cli.execution.cells import plan
+    from visitlab_cli.results.evaluated import evaluated
+    from visitlab_cli.results.runs import run_line
+    from visitlab_cli.results.summary import summaries
     from visitlab_cli.storage.made_by import made_by, mixed
     from visitlab_cli.storage.run_folder import edited, find_run, read_config
 

@@ -27,11 +27,11 @@ def command(
     and report.html have none. The cell.json of a damaged cell is renamed to cell.json.damaged, so that the cell
     counts as missing.
     """
-    from visitlab_cli.analysis.evaluated import evaluated
     from visitlab_cli.errors import RunError, VisitlabError
     from visitlab_cli.execution.cells import plan
     from visitlab_cli.execution.evaluation import unknown_evaluations
     from visitlab_cli.execution.versions import versions
+    from visitlab_cli.results.evaluated import evaluated
     from visitlab_cli.storage.on_disk import OPTIONS
     from visitlab_cli.storage.run_folder import CONFIG, find_run, read_config
     from visitlab_cli.storage.verify import Fault, set_faults_aside, verify

@@ -2,6 +2,7 @@
 
 from typing import TYPE_CHECKING, Any
 
+from visitlab_cli.commands.optimum import aligned
 from visitlab_cli.commands.options import RUNS, Agent, At, Experiment, Human, Json, Out, RunOrFile, Seed, TrialWord
 from visitlab_cli.terminal import plain as in_line
 from visitlab_cli.terminal import tell, tell_json, tell_text
@@ -68,7 +69,4 @@ def table(steps: "Steps") -> str:
     columns["reward"] = [f"{value:g}" for value in steps["reward"]]
     columns["what happens"] = captions(steps)
     rows = [list(map(in_line, row)) for row in (columns, *zip(*columns.values(), strict=True))]
-    widths = [max(len(row[column]) for row in rows) for column in range(len(columns))]
-    return "\n".join(
-        "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows
-    )
+    return aligned(rows, words=len(columns))

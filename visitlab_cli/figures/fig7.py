@@ -9,10 +9,10 @@ import numpy.typing as npt
 from visitlab_cli.agents.observer import ObserverParameters
 from visitlab_cli.analysis.exact_navigation import navigation_optimal_q
 from visitlab_cli.config.experiments import NavigationTraining
-from visitlab_cli.figures.curves import half_width
 from visitlab_cli.figures.drawing import Drawing
 from visitlab_cli.figures.source import Floats, Group, Source
 from visitlab_cli.pictures.style import FONT_SIZE, GREEN, GREY, INK, PAGE, VERMILION
+from visitlab_cli.results.estimates import half_width
 from visitlab_cli.scene.words import room_name
 from visitlab_cli.world.enums import MAX_SPEED
 from visitlab_cli.world.lab import LAB_SIZE, N_ROOMS, ROOM_SIZE, ROOMS_PER_SIDE

@@ -1,23 +1,16 @@
 """A panel of learning curves with the data of a run."""
 
-import math
-from typing import NamedTuple
-
-import numpy as np
-
 from visitlab_cli.agents.observer import ObserverParameters
 from visitlab_cli.analysis.exact_values import possible
 from visitlab_cli.analysis.published_curves import PublishedCurve, published_curves
 from visitlab_cli.config.experiments import Experiment, Visit
-from visitlab_cli.figures.curves import learning_curve
 from visitlab_cli.figures.designs import Condition, Design
 from visitlab_cli.figures.panel import CHANCE, OPTIMUM, Line, Panel, Reference
 from visitlab_cli.figures.source import Group, Source
 from visitlab_cli.pictures.style import GREY
+from visitlab_cli.results.curves import curve_of, equal_edges, spread_of
 
 BATCHES, VISIT_BATCHES = 100, 50  # as published
-SETTLED = 4
-"""The last quarter of the trials is where spreads are measured."""
 SPREADS = "standard deviation in the last quarter\nbetween models, between visits"
 MILLION, THOUSAND = 1_000_000, 1_000
 IN_EACH_LINE = "{}"
@@ -39,7 +32,7 @@ def panel_of(source: Source, design: Design) -> Panel | None:
     spreads = [
         f"{condition.name}: {both.models:.2f}, {both.visits:.2f}"
         for condition, group in found
-        if (both := spread(group)) is not None
+        if (both := spread_of(group.run, group.cells)) is not None
     ]
     return Panel(
         title=design.title,
@@ -64,46 +57,11 @@ def watched_trials(source: Source, group: Group) -> int:
 
 
 def _line(source: Source, condition: Condition, group: Group, published: PublishedCurve) -> Line:
-    units, unit = independent_units(group)
-    settings = group.cells[0].settings
-    visit = isinstance(settings, Visit)
-    batches, x_per_trial = (VISIT_BATCHES, 1) if visit else (BATCHES, settings.trial_steps)
-    ours = learning_curve(group.rewards(), units, batches, x_per_trial, watched_trials(source, group))
-    return Line(group.name, condition.name, condition.colour, condition.marker, ours, unit, published)
-
-
-def independent_units(group: Group) -> tuple[list[str], str]:
-    """What each cell's result shares with others and what that is called: the model where several are crossed."""
-    models = [cell.modules.get("social", "") for cell in group.cells]
-    if 1 < len(set(models)) < len(models):
-        return models, "models"
-    own = [cell.path for cell in group.cells]
-    return own, "visits of one model" if models[0] and len(models) > 1 == len(set(models)) else "seeds"
-
-
-class Spread(NamedTuple):
-    """Standard deviations of a settled trial's mean: between models, and between visits of one model."""
-
-    models: float
-    visits: float
-
-
-def spread(group: Group) -> Spread | None:
-    """The spreads of a group with crossed models; None for another.
-
-    One-way analysis of variance: the models' means vary by the visits' chance too, which is taken off.
-    """
-    units, _ = independent_units(group)
-    rewards = group.rewards()
-    settled = rewards[:, -max(rewards.shape[1] // SETTLED, 1) :].mean(axis=1)
-    of_model = [settled[[unit == each for each in units]] for unit in dict.fromkeys(units)]
-    repeated = [visits for visits in of_model if len(visits) > 1]
-    if not repeated or len(of_model) < 2:
-        return None
-    within = float(np.mean([visits.var(ddof=1) for visits in repeated]))
-    means = float(np.var([visits.mean() for visits in of_model], ddof=1))
-    between = max(means - within * len(of_model) / len(units), 0.0)
-    return Spread(math.sqrt(between), math.sqrt(within))
+    cell = group.cells[0]
+    batches = VISIT_BATCHES if isinstance(cell.settings, Visit) else BATCHES
+    edges = equal_edges(cell.trials, batches, watched_trials(source, group))
+    ours = curve_of(group.run, group.cells, edges)
+    return Line(group.name, condition.name, condition.colour, condition.marker, ours, published)
 
 
 def _references(source: Source, design: Design, settings: Experiment) -> list[Reference]:

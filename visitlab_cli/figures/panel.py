@@ -4,8 +4,9 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from visitlab_cli.analysis.published_curves import PublishedCurve
-from visitlab_cli.figures.curves import Curve
 from visitlab_cli.pictures.style import GREY, INK, SMALL
+from visitlab_cli.results.curves import Curve
+from visitlab_cli.results.units import in_words
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -30,7 +31,6 @@ class Line(NamedTuple):
     colour: str
     marker: str
     ours: Curve
-    unit: str  # what its mean is taken over
     published: PublishedCurve
 
 
@@ -76,21 +76,12 @@ def draw_panel(axes: "Axes", panel: Panel) -> None:
     axes.set_title(panel.title, loc="left", pad=TITLE_PAD)
     axes.legend(loc="lower left", bbox_to_anchor=(0, 1), borderaxespad=0, ncols=3, handlelength=1.8, columnspacing=1.1)
     axes.set_xlabel(panel.x_label)
-    axes.set_ylabel(f"{panel.y_label}\n({sample(panel.lines)})")
+    axes.set_ylabel(f"{panel.y_label}\n(mean, {in_words([line.ours.counted for line in panel.lines])})")
     axes.set_xlim(0, panel.end)
     axes.set_ylim(0, _top(panel))
     axes.xaxis.set_major_formatter(lambda x, _: f"{x / panel.x_unit:g}")
     axes.yaxis.set_major_locator(MaxNLocator(6, integer=True))
     axes.grid(axis="y", color="0.92", linewidth=0.5)
-
-
-def sample(lines: Sequence[Line]) -> str:
-    """How many independent units the means are taken over: 'mean, n = 10 seeds'."""
-    sizes = sorted({(line.ours.n, line.unit) for line in lines})
-    (fewest, unit), (most, _) = sizes[0], sizes[-1]
-    if fewest == most == 1:
-        return f"one {unit.removesuffix('s')}"
-    return f"mean, n = {fewest} {unit}" if fewest == most else f"mean, n = {fewest} to {most} {unit}"
 
 
 def _draw_published(axes: "Axes", line: Line, curve: PublishedCurve) -> None:
@@ -165,7 +156,7 @@ def draw_key(figure: "Figure", panels: Sequence[Panel]) -> None:
     figure.legend(
         handles=[
             Line2D([], [], color=GREY, marker="o", markersize=3.6, label="this run: mean"),
-            *([interval] if any(curve.n > 1 for curve in curves) else []),
+            *([interval] if any(curve.counted.n > 1 for curve in curves) else []),
             Line2D([], [], color="k", linestyle=DASHED, linewidth=1.4, label="published: mean of 10 seeds"),
             Patch(
                 facecolor=to_rgba(GREY, THEIR_BAND), edgecolor=to_rgba(GREY, THEIR_EDGE), linewidth=0.5, label=spread

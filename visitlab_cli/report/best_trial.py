@@ -1,16 +1,17 @@
 """The best recorded trial of each visit, as plain values that the page plays."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from visitlab_cli.analysis.summary_groups import Group
 from visitlab_cli.execution.cells import Cell
 from visitlab_cli.recording.reader import check_values, read_trial
-from visitlab_cli.report.names import BETWEEN, settings_of, short_paths
+from visitlab_cli.report.names import BETWEEN
+from visitlab_cli.results.groups import Group
+from visitlab_cli.results.varying import Varying, varying
 from visitlab_cli.scene.moments import moments
 from visitlab_cli.scene.scene import Scene
 from visitlab_cli.scene.shapes import Area, Arrow, Body, Role, Shape, Sight, Speech, Vectors
@@ -37,14 +38,14 @@ def best_trials(run: Path, groups: Sequence[Group]) -> list[dict[str, Any]]:
         RunError: a log or a table of trials is damaged.
     """
     found: list[dict[str, Any]] = []
-    short = short_paths(groups)
+    varied = varying(group.point for group in groups)
     for group in groups:
         if len(found) < MOST_TRIALS and group.cells[0].task == VISIT:
-            found += _best_of(run, group, short)
+            found += _best_of(run, group, varied)
     return found
 
 
-def _best_of(run: Path, group: Group, short: Mapping[str, str]) -> list[dict[str, Any]]:
+def _best_of(run: Path, group: Group, varied: Varying) -> list[dict[str, Any]]:
     """The earliest trial with the highest reward among the recorded ones of a group's finished cells."""
     best: tuple[float, int, Cell] | None = None
     for cell in group.cells:
@@ -58,7 +59,7 @@ def _best_of(run: Path, group: Group, short: Mapping[str, str]) -> list[dict[str
     if best is None:
         return []
     reward, number, cell = best
-    name = BETWEEN.join((f"{group.experiment}/{group.human}", *settings_of(group, short)))
+    name = BETWEEN.join((f"{group.experiment}/{group.human}", *varied.words(group.point)))
     return [_plain(run, name, cell, number, reward)]
 
 

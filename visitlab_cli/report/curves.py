@@ -8,14 +8,14 @@ import numpy as np
 import numpy.typing as npt
 
 from visitlab_cli.analysis.exact_values import Possible, possible
-from visitlab_cli.analysis.summary_estimate import mean_of
-from visitlab_cli.analysis.summary_groups import Group, unit_of
 from visitlab_cli.config.experiments import Visit
 from visitlab_cli.execution.cells import Cell
 from visitlab_cli.report.hues import COLOURS, Hues
-from visitlab_cli.report.names import names_within, short_paths
-from visitlab_cli.storage.arrays import read_trials
-from visitlab_cli.storage.cell_folder import TRIALS, read_cell
+from visitlab_cli.report.names import names_within
+from visitlab_cli.results.curves import curve_of
+from visitlab_cli.results.groups import Group
+from visitlab_cli.results.varying import varying
+from visitlab_cli.storage.cell_folder import read_cell
 from visitlab_cli.world.tasks import VISIT
 
 MOST_POINTS = 100
@@ -82,11 +82,11 @@ def charts_of(run: Path, groups: Sequence[Group]) -> list[Chart]:
         RunError: a table of trials is damaged.
     """
     points = max(FEWEST_POINTS, min(MOST_POINTS, ALL_POINTS // max(1, len(groups))))
-    short, hues = short_paths(groups), Hues()
+    varied, hues = varying(group.point for group in groups), Hues()
     begun = [group for group in groups if _done(run, group)]
     charts = []
     for members in _together(begun):
-        names, colours = names_within(members, short), hues.of_chart(members)
+        names, colours = names_within(members, varied), hues.of_chart(members)
         curves = [
             _curve(run, _done(run, group), name, hue, points)
             for name, hue, group in zip(names, colours, members, strict=True)
@@ -133,18 +133,12 @@ def _done(run: Path, group: Group) -> list[Cell]:
 
 
 def _curve(run: Path, cells: Sequence[Cell], name: str, hue: int, points: int) -> Curve:
-    of_unit: dict[str, list[npt.NDArray[np.float64]]] = {}
-    for cell in cells:
-        rewards = read_trials(run / cell.path / TRIALS)["reward"]
-        edges = batch_edges(len(rewards), points)
-        of_unit.setdefault(unit_of(cell), []).append(in_batches(rewards, edges))
-    samples = np.array([np.mean(batches, axis=0) for batches in of_unit.values()])
-    estimates = [mean_of(column.tolist()) for column in samples.T]
-    mean = [round(each.mean, DIGITS) for each in estimates]
-    half = [round(each.half, DIGITS) for each in estimates] if len(samples) > 1 else None
-    sizes = np.diff(edges)
-    end = int(edges[-1]) * (1 if cells[0].task == VISIT else cells[0].settings.trial_steps)
-    return Curve(name, hue, end, len(samples), (int(sizes.min()), int(sizes.max())), mean, half)
+    found = curve_of(run, cells, batch_edges(cells[0].trials, points))
+    mean = [round(float(value), DIGITS) for value in found.mean]
+    half = [round(float(value), DIGITS) for value in found.half] if found.counted.n > 1 else None
+    sizes = np.diff(found.edges)
+    end = int(found.edges[-1]) * found.trial
+    return Curve(name, hue, end, found.counted.n, (int(sizes.min()), int(sizes.max())), mean, half)
 
 
 def batch_edges(trials: int, most: int) -> npt.NDArray[np.int64]:
@@ -157,9 +151,3 @@ def batch_edges(trials: int, most: int) -> npt.NDArray[np.int64]:
     size = max(-(-trials // most), min(ENOUGH_TRIALS, trials // ENOUGH_POINTS), 1)
     size = next((larger for larger in range(size, 2 * size) if trials % larger == 0), size)
     return np.linspace(0, trials, max(1, trials // size) + 1).round().astype(np.int64)
-
-
-def in_batches(rewards: npt.NDArray[np.float64], edges: npt.NDArray[np.int64]) -> npt.NDArray[np.float64]:
-    """The mean of each batch."""
-    means: npt.NDArray[np.float64] = np.add.reduceat(rewards, edges[:-1]) / np.diff(edges)
-    return means

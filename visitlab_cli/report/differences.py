@@ -2,11 +2,12 @@
 
 from collections.abc import Mapping
 
-from visitlab_cli.analysis.pairs import Pair
 from visitlab_cli.report.facts import Facts, counted
 from visitlab_cli.report.markup import Html, element
-from visitlab_cli.report.names import breakable, short_paths
+from visitlab_cli.report.names import breakable
 from visitlab_cli.report.sections import section
+from visitlab_cli.results.pairs import Pair
+from visitlab_cli.results.varying import varying
 
 MOST_PAIRS = 40
 HEADS = ("Where", "Agents", "Difference", "n", "Improves")
@@ -21,7 +22,7 @@ def differences(facts: Facts, title: str) -> Html | None:
     if not facts.pairs:
         return None
     shown, more = facts.pairs[:MOST_PAIRS], len(facts.pairs) - MOST_PAIRS
-    short = short_paths(line.group for line in facts.summaries)
+    short = varying(line.group.point for line in facts.summaries).heads
     rows = [_row(pair, short) for pair in shown]
     table = element(
         "table",

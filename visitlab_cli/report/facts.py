@@ -2,11 +2,11 @@
 
 from typing import NamedTuple
 
-from visitlab_cli.analysis.pairs import Pair
-from visitlab_cli.analysis.results import Result
-from visitlab_cli.analysis.summary import Summary
 from visitlab_cli.config.model import Config
 from visitlab_cli.execution.cells import Cell
+from visitlab_cli.results.expected import Result
+from visitlab_cli.results.pairs import Pair
+from visitlab_cli.results.summary import Summary
 
 
 class Facts(NamedTuple):

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from visitlab_cli.analysis.summary_groups import Group, Point
+from visitlab_cli.results.groups import Group, Point
 
 COLOURS = 8
 """Of the page; further hues are the same colours, dashed."""

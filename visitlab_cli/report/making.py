@@ -4,10 +4,6 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from visitlab_cli.analysis.evaluated import evaluated
-from visitlab_cli.analysis.pairs import AGENT, Pair, compare_by
-from visitlab_cli.analysis.results import Result, results
-from visitlab_cli.analysis.summary import summaries
 from visitlab_cli.config.model import Config
 from visitlab_cli.errors import NotFoundError, RunError, UsageError
 from visitlab_cli.execution.cells import Cell, plan
@@ -15,6 +11,10 @@ from visitlab_cli.report.best_trial import best_trials
 from visitlab_cli.report.curves import Chart, charts_of
 from visitlab_cli.report.facts import Facts
 from visitlab_cli.report.page import BEGINNING, render
+from visitlab_cli.results.evaluated import evaluated
+from visitlab_cli.results.expected import Result, results
+from visitlab_cli.results.pairs import AGENT, Pair, compare_by
+from visitlab_cli.results.summary import summaries
 from visitlab_cli.storage.cell_folder import SOURCES, one_line, read_cell
 from visitlab_cli.storage.made_by import sources_of
 from visitlab_cli.storage.run_folder import read_config, read_versions, run_name

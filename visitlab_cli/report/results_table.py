@@ -1,14 +1,15 @@
 """The table of results: a line for each group of cells, with a picture of its mean and interval."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
-from visitlab_cli.analysis.results import Result
-from visitlab_cli.analysis.summary import LEVEL, Summary
 from visitlab_cli.report.facts import Facts
 from visitlab_cli.report.markup import Html, element
-from visitlab_cli.report.names import BETWEEN, breakable, settings_of, short_paths
+from visitlab_cli.report.names import BETWEEN, breakable
 from visitlab_cli.report.sections import section
+from visitlab_cli.results.expected import Result
+from visitlab_cli.results.summary import LEVEL, Summary
+from visitlab_cli.results.varying import Varying, varying
 
 WIDTH, HEIGHT, EDGE = 140, 16, 4
 """Of the picture of an interval, in pixels."""
@@ -23,7 +24,7 @@ UNKNOWN = "–"
 def results(facts: Facts, title: str) -> Html:
     """The results of a run."""
     lines = [*facts.summaries, *facts.evaluated]
-    short = short_paths(line.group for line in lines)
+    varied = varying(line.group.point for line in lines)
     heads = ["Agent" + BETWEEN + "human", "Mean", "95% interval", "Median", "n", f"Steps to {LEVEL:.0%}"]
     heads += ["Config expects"] if facts.expected else []
     bodies = []
@@ -37,7 +38,7 @@ def results(facts: Facts, title: str) -> Html:
             class_="group",
         )
         scale = _scale(members)
-        rows = [_row(line, heads, scale, short, facts.expected.get(line.group.path)) for line in members]
+        rows = [_row(line, heads, scale, varied, facts.expected.get(line.group.path)) for line in members]
         bodies.append(element("tbody", title_row, *rows))
     table = element(
         "table",
@@ -58,7 +59,7 @@ def _row(
     line: Summary,
     heads: Sequence[str],
     scale: tuple[float, float],
-    short: Mapping[str, str],
+    varied: Varying,
     expected: Result | None,
 ) -> Html:
     group = line.group
@@ -75,14 +76,14 @@ def _row(
     if len(heads) > 1 + len(cells):
         cells.append(_expectation(expected))
     measured = [element("td", cell, data_label=head) for head, cell in zip(heads[1:], cells, strict=True)]
-    return element("tr", _condition(line, short), *measured)
+    return element("tr", _condition(line, varied), *measured)
 
 
-def _condition(line: Summary, short: Mapping[str, str]) -> Html:
+def _condition(line: Summary, varied: Varying) -> Html:
     """Who was it, and at which varied settings."""
     group = line.group
     who = breakable(BETWEEN.join(filter(None, (group.agent, group.human))))
-    settings = [element("span", breakable(each)) for each in settings_of(group, short)]
+    settings = [element("span", breakable(each)) for each in varied.words(group.point)]
     return element("th", who, element("small", *settings, class_="settings") if settings else None, scope="row")
 
 

@@ -1,14 +1,9 @@
 """What single choices move: every variant of a curve beside the run itself."""
 
 from collections.abc import Iterator, Sequence
-from pathlib import Path
 
 from visitlab_cli.analysis.comparison import FIRST, LAST, Comparison, judge_parts, part_slices
-from visitlab_cli.analysis.curves import OurCurve
 from visitlab_cli.analysis.judge import Judgement, Verdict, worst
-from visitlab_cli.analysis.summary_estimate import Estimate, difference_of, mean_of
-from visitlab_cli.analysis.summary_groups import unit_of
-from visitlab_cli.execution.cells import Cell
 from visitlab_cli.figures.page.evidence import Choice, Evidence
 from visitlab_cli.figures.page.words import (
     CONDITIONS,
@@ -21,7 +16,8 @@ from visitlab_cli.figures.page.words import (
     part_name,
     table,
 )
-from visitlab_cli.storage.cell_folder import read_cell
+from visitlab_cli.results.curves import Curve
+from visitlab_cli.results.estimates import Estimate, difference_of, mean_of
 
 VISIT = "fig8_adaptation"
 SHOWN = FIRST, LAST
@@ -33,14 +29,12 @@ def effect(evidence: Evidence, ours: Comparison, choice: Choice, part: str) -> E
     if theirs is None or choice.variant is None:
         return None
     place = part_slices(len(ours.published.mean))[part]
-    base, other = (curve.rewards[:, place].mean(axis=1).tolist() for curve in (ours.ours, theirs))
-    before = dict(zip(_units(ours.ours, evidence.cells, evidence.run), base, strict=True))
-    after = dict(zip(_units(theirs, choice.variant.cells, choice.variant.run), other, strict=True))
+    before, after = (_of_units(curve.curve, place) for curve in (ours.ours, theirs))
     same_luck = ours.ours.cell.config.seed == theirs.cell.config.seed
     common = [unit for unit in before if unit in after] if same_luck else []
     if common:
         return mean_of([after[unit] - before[unit] for unit in common])
-    return difference_of(base, other)
+    return difference_of([*before.values()], [*after.values()])
 
 
 def visit_effects(evidence: Evidence) -> str:
@@ -72,7 +66,7 @@ def _distances(name: str, curves: Sequence[dict[str, Judgement] | None]) -> list
 def judged(evidence: Evidence, ours: Comparison, choice: Choice) -> dict[str, Judgement] | None:
     """The parts of a variant's curve against the published one."""
     theirs = choice.curve(ours.published)
-    return judge_parts(theirs, ours.published.mean, evidence.margin) if theirs else None
+    return judge_parts(theirs.curve, ours.published.mean, evidence.margin) if theirs else None
 
 
 def other_choices(evidence: Evidence) -> str:
@@ -98,10 +92,9 @@ def _other_rows(evidence: Evidence) -> Iterator[list[str]]:
             yield [curve_name(*key), changed(choice.changes[key]), *moved, published, verdict]
 
 
-def _units(curve: OurCurve, cells: Sequence[Cell], run: Path) -> list[str]:
-    """The names of a curve's rows, in their order."""
-    of_curve = [cell for cell in cells if cell.group == curve.group]
-    return list(dict.fromkeys(unit_of(cell) for cell in of_curve if read_cell(run / cell.path) is not None))
+def _of_units(curve: Curve, place: slice) -> dict[str, float]:
+    """What each independent unit reached in a part of the curve."""
+    return dict(zip(curve.units, curve.samples[:, place].mean(axis=1).tolist(), strict=True))
 
 
 def _visits(evidence: Evidence) -> list[Comparison]:

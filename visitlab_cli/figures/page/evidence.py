@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from visitlab_cli.analysis.comparison import Compared
-from visitlab_cli.analysis.curves import COUNTERPARTS, Absent, OurCurve, our_curve
+from visitlab_cli.analysis.counterparts import COUNTERPARTS, Absent, OurCurve, our_curve
 from visitlab_cli.analysis.published_curves import PublishedCurve, published_curves
 from visitlab_cli.analysis.variants import Variant, changes
 from visitlab_cli.config.canonical import config_hash

@@ -3,13 +3,13 @@
 from statistics import median
 
 from visitlab_cli.analysis.comparison import LAST, Comparison, part_slices
-from visitlab_cli.analysis.intervals import deviation
 from visitlab_cli.figures.designs import FIG_8
-from visitlab_cli.figures.learning import SETTLED, Spread, spread
 from visitlab_cli.figures.page.choices import VISIT
 from visitlab_cli.figures.page.evidence import Evidence
 from visitlab_cli.figures.page.words import CONDITIONS, NOT_RUN, curve_name, table
 from visitlab_cli.figures.source import open_source
+from visitlab_cli.results.curves import SETTLED, Spread, spread_of
+from visitlab_cli.results.intervals import deviation
 
 RISEN = 1.0
 """Reward a trial: a seed above it leads the human in some trials."""
@@ -18,7 +18,7 @@ RISEN = 1.0
 def last_tenths(curve: Comparison) -> list[float]:
     """What each independent seed reached in the last tenth of a curve."""
     place = part_slices(len(curve.published.mean))[LAST]
-    return [float(value) for value in curve.ours.rewards[:, place].mean(axis=1)]
+    return [float(value) for value in curve.ours.curve.samples[:, place].mean(axis=1)]
 
 
 def seed_table(evidence: Evidence) -> str:
@@ -103,7 +103,7 @@ def _crossed(evidence: Evidence) -> list[tuple[str, str, Spread | None]]:
         groups = open_source(choice.variant.run).groups if choice.variant else {}
         for condition, group in FIG_8[1].named():
             if (VISIT, condition.published) in choice.changes:
-                found = spread(groups[group]) if group in groups else None
+                found = spread_of(groups[group].run, groups[group].cells) if group in groups else None
                 rows.append((choice.name, CONDITIONS[condition.published], found))
     return rows
 

@@ -35,7 +35,7 @@ def verdict_table(evidence: Evidence) -> str:
         [
             curve_name(each.published.figure, each.published.condition),
             str(each.verdict),
-            str(len(each.ours.rewards)),
+            str(each.ours.curve.counted.n),
             *(marked(part) for part in each.parts.values()),
         ]
         for each in curves

@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 
 from visitlab_cli.analysis.judge import Judgement, Verdict
-from visitlab_cli.analysis.summary_estimate import Estimate
+from visitlab_cli.results.estimates import Estimate
 
 FIGURES = {
     "fig6_navigation": "Fig. 6 top left, navigation",

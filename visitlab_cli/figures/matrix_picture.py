@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from visitlab_cli.analysis.matrix import ADAPTING, FROZEN, MODES, Goals, Matrix, Pairing
 from visitlab_cli.pictures.style import FONT_SIZE, GREY, INK, SMALL, STYLE, VERMILION, save, styled
 from visitlab_cli.pictures.words import fitting, height_of, in_lines, width_of
+from visitlab_cli.results.matrix import ADAPTING, FROZEN, MODES, Goals, Matrix, Pairing
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from visitlab_cli.analysis.intervals import deviation, t_quantile
+from visitlab_cli.results.intervals import deviation, t_quantile
 
 # two-sided 95% and 99%, from the tables of the NIST handbook (1.3.6.7.2)
 TABLE = [

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from visitlab_cli.analysis.summary_groups import point_of
 from visitlab_cli.errors import NotFoundError
 from visitlab_cli.execution.cells import Cell
 from visitlab_cli.recording.reader import check_values, read_steps
 from visitlab_cli.recording.tables import to_arrow
+from visitlab_cli.results.groups import point_of
 from visitlab_cli.storage.arrays import read_model, read_trials
 from visitlab_cli.storage.cell_folder import MODEL, STEPS, TRIALS
 

@@ -4,14 +4,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-import numpy as np
-import numpy.typing as npt
-
 from visitlab_cli.analysis.published_curves import PublishedCurve, published_curves
 from visitlab_cli.config.experiments import Visit
 from visitlab_cli.execution.cells import Cell
-from visitlab_cli.storage.arrays import read_trials
-from visitlab_cli.storage.cell_folder import TRIALS, read_cell
+from visitlab_cli.results.curves import Curve, curve_of
+from visitlab_cli.storage.cell_folder import read_cell
 
 COUNTERPARTS = {
     ("fig6_navigation", "rmax"): "navigation/rmax",
@@ -37,21 +34,11 @@ COUNTERPARTS = {
 
 
 class OurCurve(NamedTuple):
-    """Reward a trial in the published batches: shape (seeds, batches).
-
-    A seed is what is independent: a training, or in a visit the trained modules; visits of the same modules are
-    averaged, and are apart in `visits`, for each seed of shape (visits, batches). `cell` is one of the curve's cells.
-    """
+    """Our curve in the published batches; `cell` is one of its cells."""
 
     group: str
     cell: Cell
-    rewards: npt.NDArray[np.float64]
-    visits: tuple[npt.NDArray[np.float64], ...]
-
-    def averaged_away(self, part: slice) -> float:
-        """The variance that the mean of a `part` has lost where a seed is a mean of several visits."""
-        several = [visits[:, part].mean(axis=1) for visits in self.visits if len(visits) > 1]
-        return float(np.mean([values.var(ddof=1) * (1 - 1 / len(values)) for values in several])) if several else 0.0
+    curve: Curve
 
 
 class Absent(NamedTuple):
@@ -80,18 +67,7 @@ def our_curve(run: Path, cells: Sequence[Cell], published: PublishedCurve) -> Ou
         return Absent(group, f"has trials of {settings.trial_steps} steps, not {published.trial_steps}")
     if trials < published.trials:
         return Absent(group, f"has {trials:,} trials, fewer than the {published.trials:,} published")
-    units: dict[str, list[npt.NDArray[np.float64]]] = {}
-    for cell in done:
-        unit = "/".join(cell.modules.values()) or cell.path
-        units.setdefault(unit, []).append(in_batches(read_trials(run / cell.path / TRIALS)["reward"], published))
-    visits = tuple(np.array(curves) for curves in units.values())
-    return OurCurve(group, done[0], np.array([each.mean(axis=0) for each in visits]), visits)
-
-
-def in_batches(rewards: npt.NDArray[np.float64], published: PublishedCurve) -> npt.NDArray[np.float64]:
-    """Reward of each trial, shape (trials,), as means of the published batches, shape (batches,)."""
-    covered = rewards[published.first_trial : published.trials]
-    return covered.reshape(-1, published.trials_in_batch).mean(axis=1)  # type: ignore[no-any-return]
+    return OurCurve(group, done[0], curve_of(run, done, published.edges))
 
 
 def our_curves(run: Path, cells: Sequence[Cell]) -> list[tuple[PublishedCurve, OurCurve | Absent]]:

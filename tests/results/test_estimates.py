@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from visitlab_cli.analysis.summary_estimate import Estimate, difference_of, mean_of, probability_of_improvement
+from visitlab_cli.results.estimates import Estimate, difference_of, mean_of, probability_of_improvement
 
 
 def test_a_mean_by_hand():

@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from tests.analysis.runs_by_hand import open_lab, reach, write_cell
-from visitlab_cli.analysis.summary import steps_to, summaries
-from visitlab_cli.analysis.summary_runs import run_lines
-from visitlab_cli.analysis.summary_tables import stacked, trials_of
+from tests.results.runs_by_hand import open_lab, reach, write_cell
+from visitlab_cli.results.runs import run_lines
+from visitlab_cli.results.summary import steps_to, summaries
+from visitlab_cli.results.tables import stacked, trials_of
 
 NAVIGATION = [f"navigation/mb/seed-000{seed}" for seed in range(3)]
 

@@ -4,9 +4,9 @@ import math
 
 import pytest
 
-from tests.analysis.runs_by_hand import open_lab, reach
-from visitlab_cli.analysis.pairs import compare_by, compare_runs
+from tests.results.runs_by_hand import open_lab, reach
 from visitlab_cli.errors import NotFoundError, UsageError
+from visitlab_cli.results.pairs import compare_by, compare_runs
 
 
 def values(where, numbers):

@@ -5,7 +5,12 @@ from collections.abc import Sequence
 from statistics import fmean
 from typing import Any, NamedTuple
 
-from visitlab_cli.analysis.intervals import deviation, t_quantile
+import numpy as np
+import numpy.typing as npt
+
+from visitlab_cli.results.intervals import deviation, t_quantile
+
+Floats = npt.NDArray[np.float64]
 
 FINE = 0.01
 """Half an interval below which two digits would hide the difference."""
@@ -35,9 +40,15 @@ class Estimate(NamedTuple):
 
 def mean_of(values: Sequence[float]) -> Estimate:
     """The mean of independent values, at least one."""
-    n = len(values)
-    half = t_quantile(n - 1) * deviation(values) / math.sqrt(n) if n > 1 else math.nan
-    return Estimate(fmean(values), half)
+    return Estimate(fmean(values), float(half_width(np.array(values))))
+
+
+def half_width(samples: Floats) -> Floats:
+    """Half the 95% interval (Student's t) of the mean over the first axis; nan where that is 1 long."""
+    n = len(samples)
+    if n < 2:
+        return np.full(samples.shape[1:], np.nan)
+    return np.asarray(t_quantile(n - 1) * samples.std(axis=0, ddof=1) / math.sqrt(n))
 
 
 def difference_of(first: Sequence[float], second: Sequence[float]) -> Estimate:

@@ -67,5 +67,5 @@ def write_cell(run, cell, rewards, seconds=2.0):
 def reach(run, cells, values):
     """Commit cells whose every trial has the reward that `values` gives their path; return their plan's cells."""
     for path, value in values.items():
-        write_cell(run, cells[path], np.full(20, value))
+        write_cell(run, cells[path], np.full(cells[path].trials, value))
     return list(cells.values())

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from visitlab_cli.analysis.summary_groups import reached
 from visitlab_cli.config.model import Config
 from visitlab_cli.config.problems import or_else
 from visitlab_cli.errors import ConfigError
 from visitlab_cli.execution.cells import Cell
+from visitlab_cli.results.groups import reached
 from visitlab_cli.storage.arrays import read_trials
 from visitlab_cli.storage.cell_folder import TRIALS, read_cell
 from visitlab_cli.world.tasks import VISIT

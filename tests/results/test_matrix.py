@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from tests.analysis.runs_by_hand import VERSIONS, write_cell
-from visitlab_cli.analysis.matrix import ADAPTING, FROZEN, MODES, Pairing, matrix_of, plan_matrix
+from tests.results.runs_by_hand import VERSIONS, write_cell
 from visitlab_cli.config.loading import load_text
 from visitlab_cli.execution.cells import plan
 from visitlab_cli.execution.evaluation import Evaluation
-from visitlab_cli.figures.matrix import save_matrix
+from visitlab_cli.figures.matrix_picture import save_matrix
+from visitlab_cli.results.matrix import ADAPTING, FROZEN, MODES, Pairing, matrix_of, plan_matrix
 from visitlab_cli.storage.run_folder import open_run
 
 CONFIG = """

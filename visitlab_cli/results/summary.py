@@ -10,9 +10,11 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from visitlab_cli.analysis.summary_estimate import Estimate, mean_of
-from visitlab_cli.analysis.summary_groups import Group, groups_of, unit_values
 from visitlab_cli.execution.cells import Cell
+from visitlab_cli.results.curves import in_batches
+from visitlab_cli.results.estimates import Estimate, mean_of
+from visitlab_cli.results.groups import Group, groups_of, unit_values
+from visitlab_cli.results.units import Units
 from visitlab_cli.storage.arrays import read_trials
 from visitlab_cli.storage.cell_folder import TIMING, TRIALS, read_cell
 from visitlab_cli.storage.made_by import made_by
@@ -26,7 +28,7 @@ BATCHES = 100
 class Summary(NamedTuple):
     """A line of the table; what no finished cell tells is None.
 
-    `value` is the mean over independent seeds (`n` of them) of the last tenth of trials (frozen: of all), `median`
+    `value` is the mean over independent units (`n` of them) of the last tenth of trials (frozen: of all), `median`
     theirs. `steps_to_level` is the median over cells of `steps_to`, for `level` of the value; None where half of the
     cells or more never get there, or the value is not positive. `seconds` is the mean time of a cell, `sources` the
     hashes of the code that made the cells.
@@ -41,6 +43,11 @@ class Summary(NamedTuple):
     steps_to_level: float | None
     seconds: float | None
     sources: tuple[str, ...]
+
+    @property
+    def units(self) -> Units:
+        """What the mean is taken over."""
+        return Units(self.n, self.done)
 
     def as_json(self) -> dict[str, Any]:
         """The line as plain values."""
@@ -123,8 +130,7 @@ def steps_to(level: float, rewards: npt.NDArray[np.float64], trial_steps: int, s
         steps: of the whole cell, whose last trial may be cut short.
     """
     ends = np.linspace(0, len(rewards), min(BATCHES, len(rewards)) + 1).astype(np.int64)
-    means = np.add.reduceat(rewards, ends[:-1]) / np.diff(ends)
-    reached = np.flatnonzero(means >= level)
+    reached = np.flatnonzero(in_batches(rewards, ends) >= level)
     return float(min(ends[reached[0] + 1] * trial_steps, steps)) if len(reached) else math.inf
 
 

@@ -1,8 +1,4 @@
-"""The cells of a run in groups that differ in nothing but their seeds, and what each independent seed reached.
-
-Independent is a training, or in a visit the trained modules: visits of the same modules are averaged, so that
-crossed models do not pretend to be more seeds than were trained.
-"""
+"""The cells of a run in groups that differ in nothing but their seeds, and what each independent unit reached."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -11,6 +7,7 @@ from typing import NamedTuple
 from visitlab_cli.config.grid import value_in_words
 from visitlab_cli.execution.cells import Cell
 from visitlab_cli.execution.evaluation import Evaluation
+from visitlab_cli.results.units import by_unit
 from visitlab_cli.storage.arrays import read_trials
 from visitlab_cli.storage.cell_folder import TRIALS, read_cell
 from visitlab_cli.world.tasks import VISIT
@@ -59,11 +56,6 @@ def point_of(cell: Cell) -> Point:
     return tuple((path, value_in_words(value)) for path, value in cell.point.items())
 
 
-def unit_of(cell: Cell) -> str:
-    """What names the independent seed that a cell belongs to: its own path, or those of a visit's modules."""
-    return " ".join(cell.modules.values()) or cell.path
-
-
 def reached(run: Path, cell: Cell) -> float | None:
     """Reward a trial in the last tenth of a cell; frozen, all its trials are alike and count. None where unfinished.
 
@@ -79,9 +71,7 @@ def reached(run: Path, cell: Cell) -> float | None:
 
 
 def unit_values(run: Path, cells: Sequence[Cell]) -> dict[str, float]:
-    """What each independent seed `reached`, by `unit_of`; finished cells only."""
-    found: dict[str, list[float]] = {}
-    for cell in cells:
-        if (value := reached(run, cell)) is not None:
-            found.setdefault(unit_of(cell), []).append(value)
-    return {unit: sum(values) / len(values) for unit, values in found.items()}
+    """What each independent unit `reached`, by its name; finished cells only."""
+    found = {unit: [reached(run, cell) for cell in members] for unit, members in by_unit(cells).items()}
+    done = {unit: [value for value in values if value is not None] for unit, values in found.items()}
+    return {unit: sum(values) / len(values) for unit, values in done.items() if values}

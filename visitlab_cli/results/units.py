@@ -1,0 +1,62 @@
+"""Which cells are independent of each other: what `n` counts, in every table, figure, judgement and page.
+
+Independent is a training; in a visit the trained modules that play. Visits of the same modules share the luck of one
+training: they are averaged and count once, so that neither crossed models nor visits which all play with the first
+one pretend to be more robots than were trained. An interval of the mean is over units and nothing else.
+"""
+
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple
+
+from visitlab_cli.execution.cells import Cell
+
+SHARED = (
+    "Visits of the same trained modules count as one: n is the number of models that were trained, "
+    "and an interval says how such models differ."
+)
+"""To be said wherever something is averaged within a unit."""
+
+
+class Units(NamedTuple):
+    """How many independent units (`n`) stand behind a mean, and how many cells they are."""
+
+    n: int
+    cells: int
+
+    @property
+    def shared(self) -> bool:
+        """Whether some cells share their modules with others."""
+        return self.cells > self.n
+
+    @property
+    def words(self) -> str:
+        """'10 seeds'; '6 models, 36 visits' where visits share their models."""
+        if not self.shared:
+            return _counted(self.n, "seed")
+        return f"{_counted(self.n, 'model')}, {_counted(self.cells, 'visit')}"
+
+
+def unit_of(cell: Cell) -> str:
+    """What names the independent unit that a cell belongs to: its own path, or those of its modules."""
+    return " ".join(cell.modules.values()) or cell.path
+
+
+def by_unit(cells: Iterable[Cell]) -> dict[str, list[Cell]]:
+    """The cells of each unit, in the order of their first ones."""
+    found: dict[str, list[Cell]] = {}
+    for cell in cells:
+        found.setdefault(unit_of(cell), []).append(cell)
+    return found
+
+
+def in_words(several: Sequence[Units]) -> str:
+    """What the means of several conditions are taken over: 'n = 10 seeds', '1 seed', 'n = 1 to 2 models'."""
+    fewest, most = min(several), max(several)
+    if fewest == most:
+        return most.words if most.n == 1 else f"n = {most.words}"
+    what = "model" if any(each.shared for each in several) else "seed"
+    return f"n = {_counted(most.n, what)}" if fewest.n == most.n else f"n = {fewest.n} to {_counted(most.n, what)}"
+
+
+def _counted(number: int, what: str) -> str:
+    return f"{number} {what}{'' if number == 1 else 's'}"
