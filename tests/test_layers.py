@@ -25,7 +25,7 @@ FLOORS = [
     {"results"},
     {"analysis"},
     {"door"},
-    {"scene", "pictures"},
+    {"colours", "scene", "pictures"},
     {"affordances"},
     {"figures", "replay", "report"},
     {"commands"},

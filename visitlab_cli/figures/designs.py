@@ -3,8 +3,9 @@
 from collections.abc import Sequence
 from typing import NamedTuple
 
+from visitlab_cli.colours import FIXED, TEAL, VIOLET
 from visitlab_cli.figures.panel import CHANCE, SCRIPT
-from visitlab_cli.pictures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION
+from visitlab_cli.pictures.style import ORANGE, PURPLE
 
 
 class Condition(NamedTuple):
@@ -38,10 +39,15 @@ class Design(NamedTuple):
         return [group for _, group in self.named()]
 
 
-RMAX = Condition("rmax", "R-max", VERMILION, "s", "rmax")
-MODEL_BASED = Condition("mb", "model-based", BLUE, "o", "epsilon_greedy_mb")
-MODEL_FREE = Condition("mf", "model-free", GREEN, "^", "epsilon_greedy_mf")
-BOOTSTRAPPED = Condition("mf_after_mb", "bootstrapped", GREY, "D", "mf_bootstrapped")
+def _agent(group: str, name: str, published: str) -> Condition:
+    paint = FIXED[group]
+    return Condition(group, name, paint.light, paint.marker, published)
+
+
+RMAX = _agent("rmax", "R-max", "rmax")
+MODEL_BASED = _agent("mb", "model-based", "epsilon_greedy_mb")
+MODEL_FREE = _agent("mf", "model-free", "epsilon_greedy_mf")
+BOOTSTRAPPED = _agent("mf_after_mb", "bootstrapped", "mf_bootstrapped")
 AGENTS = (RMAX, MODEL_BASED, MODEL_FREE)
 
 
@@ -63,10 +69,11 @@ FIG_6 = (
     ),
 )
 
+# Humans have colours that none of these agents has: a colour means one thing on all pages.
 HUMAN_1 = Condition("human_1", "Human 1", ORANGE, "s", "human_1")
-HUMAN_2 = Condition("human_2", "Human 2", BLUE, "o", "human_2")
+HUMAN_2 = Condition("human_2", "Human 2", VIOLET.light, "o", "human_2")
 HUMAN_3 = Condition("human_3", "Human 3", PURPLE, "^", "human_3")
-POINTING = Condition("human_2_pointing", "Human 2 with pointing", GREEN, "D", "human_2_pointing")
+POINTING = Condition("human_2_pointing", "Human 2 with pointing", TEAL.light, "D", "human_2_pointing")
 FIG_8 = (
     Design(
         "Social, three humans",
