@@ -1,10 +1,14 @@
 """Fixtures that several rooms share."""
 
 import pytest
+from hypothesis import settings
 
 from tests.paper_runs import crossed_run, paper_run
 from tests.program import TINY, the_run, visitlab
 from tests.recorded_trials import trial_of
+
+settings.register_profile("visitlab", deadline=None)  # how fast an example is says something of the machine
+settings.load_profile("visitlab")
 
 __all__ = ["crossed_run", "paper_run", "trial_of"]
 

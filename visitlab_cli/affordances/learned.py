@@ -10,7 +10,6 @@ import numpy.typing as npt
 from visitlab_cli.affordances.counts import Ints, learned_counts
 from visitlab_cli.affordances.policy import PolicyMap, policy_map
 from visitlab_cli.affordances.truth import FIRST_ENGAGED, Truth, true_transitions
-from visitlab_cli.config.experiments import SocialTraining, Visit
 from visitlab_cli.errors import NotFoundError, RunError
 from visitlab_cli.execution.cells import Cell
 from visitlab_cli.execution.selection import Selection
@@ -102,7 +101,7 @@ def _share(events: npt.NDArray[np.generic], visits: Ints) -> Table:
 
 
 def _truth(cell: Cell) -> Truth:
-    teleports = not isinstance(cell.settings, Visit)
+    teleports = not cell.settings.assembled
     return true_transitions(cell.config.humans[cell.human], teleports, cell.config.interaction.distances)
 
 
@@ -112,10 +111,8 @@ def _adaptation(visit: Cell, before: Ints, model: Arrays) -> Adaptation:
 
 
 def _chosen(run: Path, cells: Sequence[Cell], selection: Selection) -> Cell:
-    visited = {cell.modules[SOCIAL] for cell in cells if isinstance(cell.settings, Visit)}
-    wanted = [
-        cell for cell in cells if isinstance(cell.settings, SocialTraining) and cell.config.agents[cell.agent].plans
-    ]
+    visited = {cell.modules[SOCIAL] for cell in cells if cell.settings.assembled}
+    wanted = [cell for cell in cells if cell.task == SOCIAL and cell.config.agents[cell.agent].plans]
     modules = [cell for cell in wanted if read_cell(run / cell.path) is not None]
     matching = [cell for cell in modules if selection.matches(cell)]
     if not matching:
@@ -131,5 +128,5 @@ def _chosen(run: Path, cells: Sequence[Cell], selection: Selection) -> Cell:
 
 
 def _visits_of(run: Path, cells: Sequence[Cell], trained: Cell) -> list[Cell]:
-    of_it = [c for c in cells if isinstance(c.settings, Visit) and c.modules[SOCIAL] == trained.path]
+    of_it = [c for c in cells if c.settings.assembled and c.modules[SOCIAL] == trained.path]
     return [cell for cell in of_it if read_cell(run / cell.path) is not None]

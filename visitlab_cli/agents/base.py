@@ -49,6 +49,9 @@ class AgentParameters(Settings):
         """The record that goes on from what `save` gave, for `setting.steps` further steps."""
         raise NotImplementedError
 
+    def forget_rewards(self, record: Any) -> None:
+        """Let a planner's record plan on with no rewards until a pair is tried again; nothing to others."""
+
     def save(self, record: Any) -> Saved:
         """The arrays of a record, with their public names (`q`, `visits`, `reward_sums`, `successor_*`)."""
         raise NotImplementedError

@@ -69,6 +69,10 @@ class ModelBasedParameters(AgentParameters):
         fill = self.unvisited == "uniform"
         return ModelBased(q, np.zeros(len(q)), model, gamma, epsilon, self.plan_every, fill)
 
+    def forget_rewards(self, record: ModelBased) -> None:
+        """The R that sweeps use is 0 until a pair is next tried."""
+        record.model.mean_rewards[:] = 0.0
+
     def save(self, record: ModelBased) -> Saved:
         """Q and the learned model."""
         return {"q": record.q, **saved_model(record.model, record.q.shape[1])}

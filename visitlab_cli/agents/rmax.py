@@ -62,6 +62,10 @@ class RMaxParameters(AgentParameters):
         m = self.m or (M_IN_NAVIGATION if setting.task == "navigation" else M_ELSEWHERE)
         return RMax(q, np.zeros(len(q)), model, float(self.gamma), m, self.plan_every)
 
+    def forget_rewards(self, record: RMax) -> None:
+        """The R that sweeps use is 0 until a pair is next tried."""
+        record.model.mean_rewards[:] = 0.0
+
     def save(self, record: RMax) -> Saved:
         """Q and the learned model."""
         return {"q": record.q, **saved_model(record.model, record.q.shape[1])}

@@ -5,7 +5,6 @@ from pathlib import Path
 from typing import NamedTuple
 
 from visitlab_cli.analysis.published_curves import PublishedCurve, published_curves
-from visitlab_cli.config.experiments import Visit
 from visitlab_cli.execution.cells import Cell
 from visitlab_cli.results.curves import Curve, curve_of
 from visitlab_cli.storage.cell_folder import read_cell
@@ -62,7 +61,7 @@ def our_curve(run: Path, cells: Sequence[Cell], published: PublishedCurve) -> Ou
     if not done:
         return Absent(group, "not run yet" if planned else "not in the config")
     settings = done[0].settings
-    trials = settings.trials if isinstance(settings, Visit) else settings.steps // settings.trial_steps
+    trials = settings.n_trials
     if settings.trial_steps != published.trial_steps:
         return Absent(group, f"has trials of {settings.trial_steps} steps, not {published.trial_steps}")
     if trials < published.trials:

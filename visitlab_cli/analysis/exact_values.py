@@ -9,7 +9,8 @@ from visitlab_cli.analysis.exact_navigation import (
     navigation_random,
     navigation_random_discounted,
 )
-from visitlab_cli.config.experiments import Experiment, GoToHumanTraining, NavigationTraining
+from visitlab_cli.config.experiment import Experiment
+from visitlab_cli.config.experiments import GoToHumanTraining
 from visitlab_cli.world.geometry import DISTANCES
 from visitlab_cli.world.task import TRAINING_TRIAL_STEPS
 from visitlab_cli.world.tasks import GO_TO_HUMAN, NAVIGATION
@@ -38,7 +39,7 @@ class ExactValue(NamedTuple):
 
 def possible(settings: Experiment, distances: tuple[int, ...] = DISTANCES) -> Possible | None:
     """What a trial of an experiment can bring; None for a task whose exact values are not known."""
-    if isinstance(settings, NavigationTraining):
+    if settings.task == NAVIGATION:
         return Possible(navigation_optimum(settings.trial_steps), navigation_random(settings.trial_steps))
     if isinstance(settings, GoToHumanTraining):
         options = settings.trial_steps, settings.success, distances

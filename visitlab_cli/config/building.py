@@ -10,11 +10,10 @@ from pydantic import TypeAdapter, ValidationError
 from visitlab_cli.agents.registry import AnyAgent
 from visitlab_cli.config.canonical import canonical
 from visitlab_cli.config.document import Node, Plain
-from visitlab_cli.config.experiments import Experiment, SocialTraining, Visit
+from visitlab_cli.config.experiments import AnyExperiment
 from visitlab_cli.config.like import resolve_like
 from visitlab_cli.config.messages import issues_of
 from visitlab_cli.config.model import Config
-from visitlab_cli.config.names import module
 from visitlab_cli.config.problems import Issue, Problem, failure, positioned, start_comparing
 from visitlab_cli.config.references import Declared
 from visitlab_cli.config.references import issues as reference_issues
@@ -24,7 +23,7 @@ NOT_KEPT = "can't be kept: it is read otherwise than it is written (a fault of i
 _ENTRIES: dict[str, TypeAdapter[Any]] = {
     "humans": TypeAdapter(AnyHuman),
     "agents": TypeAdapter(AnyAgent),
-    "experiments": TypeAdapter(Experiment),
+    "experiments": TypeAdapter(AnyExperiment),
 }
 
 
@@ -96,12 +95,5 @@ def _valid_entries(section: str, entries: Plain) -> dict[str, Any]:
 
 def _with_whole_modules(config: Config) -> Config:
     """The config with the human of each social module named, so that one setting has one spelling."""
-    experiments = dict(config.experiments)
-    for name, visit in config.experiments.items():
-        if not isinstance(visit, Visit) or module(visit.modules.social).human is not None:
-            continue
-        social = config.experiments[module(visit.modules.social).experiment]
-        assert isinstance(social, SocialTraining)
-        modules = visit.modules.model_copy(update={"social": f"{visit.modules.social}/{social.humans[0]}"})
-        experiments[name] = visit.model_copy(update={"modules": modules})
+    experiments = {name: each.with_whole_modules(config.experiments) for name, each in config.experiments.items()}
     return config.model_copy(update={"experiments": experiments})

@@ -6,9 +6,7 @@ from typing import Any
 
 import yaml
 
-from visitlab_cli.config.experiments import SocialTraining, Visit
 from visitlab_cli.config.model import Config
-from visitlab_cli.config.names import module
 from visitlab_cli.config.scalars import meaning
 from visitlab_cli.settings import as_yaml
 
@@ -27,11 +25,8 @@ def canonical(config: Config) -> dict[str, Any]:
 
 def _without_the_idle(config: Config, plain: dict[str, Any]) -> dict[str, Any]:
     for name, experiment in config.experiments.items():
-        if isinstance(experiment, Visit) and not config.agents[module(experiment.modules.social).agent].plans:
-            for option in Visit.planning_options:
-                plain["experiments"][name].pop(option, None)
-        if isinstance(experiment, SocialTraining) and experiment.start_from is None:
-            plain["experiments"][name].pop("start_from", None)
+        for setting in experiment.idle(config.agents):
+            plain["experiments"][name].pop(setting, None)
     return plain
 
 

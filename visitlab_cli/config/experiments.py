@@ -1,17 +1,26 @@
 """The experiments of a config: three trainings and the visit, told apart by `task`."""
 
-from typing import Annotated, Any, ClassVar, Literal
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo, WithJsonSchema, field_validator
 
-from visitlab_cli.config.names import ModuleName, Name
+from visitlab_cli.agents.base import AgentParameters, Saved, Setting
+from visitlab_cli.config.experiment import Experiment, Site
+from visitlab_cli.config.names import Module, ModuleName, Name, module
 from visitlab_cli.humans.base import Probability
 from visitlab_cli.settings import Settings
+from visitlab_cli.simulation.visit import Visit as VisitTask
+from visitlab_cli.simulation.visit import make_visit
+from visitlab_cli.world.go_to_human import GoToHuman, make_go_to_human
 from visitlab_cli.world.lab import N_ROOMS
-from visitlab_cli.world.social import ARENA, DIRECTION_CHANGE
+from visitlab_cli.world.navigation import Navigation, make_navigation
+from visitlab_cli.world.social import ARENA, DIRECTION_CHANGE, Social, make_social
 from visitlab_cli.world.task import TRAINING_TRIAL_STEPS, VISIT_TRIAL_STEPS
 from visitlab_cli.world.tasks import GO_TO_HUMAN, NAVIGATION, SOCIAL
+from visitlab_cli.world.visit import make_visit_world
 
+MODULE_TASKS = (NAVIGATION, GO_TO_HUMAN, SOCIAL)
 MOST_STEPS = 10**12
 
 TRAINING_STEPS = 500_000
@@ -61,10 +70,9 @@ GoalRooms = Annotated[
 ]
 
 
-class Training(Settings):
+class Training(Experiment):
     """What the three trainings share: agents, each of which plays alone, and how long."""
 
-    task: str
     agents: Names = Field(description="the agents that are trained, each on its own")
     trial_steps: int = Field(default=TRAINING_TRIAL_STEPS, ge=1, le=10**6, description="steps in a trial")
     steps: int = Field(
@@ -85,11 +93,34 @@ class Training(Settings):
             raise ValueError(f"must be {trials}, such as {' or '.join(near)} (got {steps})")
         return steps
 
+    @property
+    def n_steps(self) -> int:
+        """As declared."""
+        return self.steps
+
+    @property
+    def n_trials(self) -> int:
+        """As many as the steps make."""
+        return self.steps // self.trial_steps
+
+    @property
+    def trained(self) -> tuple[str, ...]:
+        """As declared."""
+        return self.agents
+
+    def for_one_trial(self) -> Self:
+        """The same with a single trial."""
+        return self.model_copy(update={"steps": self.trial_steps})
+
 
 class NavigationTraining(Training):
     """Learn to reach each of the nine rooms and to stay there; no human."""
 
     task: Literal["navigation"]
+
+    def task_in(self, site: Site) -> Navigation:
+        """Navigation in the lab."""
+        return make_navigation(self.trial_steps, site.lab)
 
 
 class GoToHumanTraining(Training):
@@ -99,6 +130,10 @@ class GoToHumanTraining(Training):
     success: Literal["facing", "seen"] = Field(
         default="facing", description="what is rewarded: being faced by the human, or only seen"
     )
+
+    def task_in(self, site: Site) -> GoToHuman:
+        """In the lab."""
+        return make_go_to_human(self.trial_steps, self.success, site.distances, site.lab)
 
 
 class SocialTraining(Training):
@@ -124,6 +159,24 @@ class SocialTraining(Training):
             raise ValueError("must be experiment/agent/human; leave it out to start with nothing learned")
         return start_from
 
+    @property
+    def met(self) -> tuple[str, ...]:
+        """As declared."""
+        return self.humans
+
+    @property
+    def starts(self) -> dict[str, Module]:
+        """The module that it goes on from, if it does."""
+        return {} if self.start_from is None else {SOCIAL: module(self.start_from)}
+
+    def idle(self, agents: Mapping[str, AgentParameters]) -> tuple[str, ...]:
+        """`start_from` where it starts with nothing."""
+        return ("start_from",) if self.start_from is None else ()
+
+    def task_in(self, site: Site) -> Social:
+        """In an arena of its own."""
+        return make_social(site.human, self.trial_steps, self.arena, self.direction_change, site.distances)
+
 
 class Modules(Settings):
     """The three trained modules that make a visit, each `experiment/agent` or `experiment/agent/human`."""
@@ -133,11 +186,11 @@ class Modules(Settings):
     social: ModuleName = Field(description="the social module, which decides and goes on learning")
 
 
-class Visit(Settings):
+class Visit(Experiment):
     """The global task (paper, Fig. 5): the three modules together lead a human through goal rooms."""
 
     planning_options: ClassVar[tuple[str, ...]] = ("plan_every", "planner_rewards")
-    """Options that mean something only where the social module plans."""
+    """Settings that mean something only where the social module plans."""
 
     task: Literal["visit"]
     modules: Modules = Field(description="which trained modules play")
@@ -168,6 +221,73 @@ class Visit(Settings):
         default="social", description="what the social module learns from during the visit"
     )
 
+    @property
+    def n_steps(self) -> int:
+        """As many as the trials have."""
+        return self.trials * self.trial_steps
 
-Experiment = Annotated[NavigationTraining | GoToHumanTraining | SocialTraining | Visit, Field(discriminator="task")]
-MODULE_TASKS = (NAVIGATION, GO_TO_HUMAN, SOCIAL)
+    @property
+    def n_trials(self) -> int:
+        """As declared."""
+        return self.trials
+
+    @property
+    def met(self) -> tuple[str, ...]:
+        """As declared."""
+        return self.humans
+
+    @property
+    def starts(self) -> dict[str, Module]:
+        """The three modules."""
+        return {task: module(getattr(self.modules, task)) for task in MODULE_TASKS}
+
+    @property
+    def crossed(self) -> bool:
+        """As declared."""
+        return self.models == "crossed"
+
+    def seed_pairs(self, seeds: int) -> list[tuple[int, int]]:
+        """By `models`."""
+        if self.crossed:
+            return [(seed, model) for model in range(seeds) for seed in range(seeds)]
+        return [(seed, 0 if self.models == "first" else seed) for seed in range(seeds)]
+
+    def for_one_trial(self) -> Self:
+        """The same with a single trial."""
+        return self.model_copy(update={"trials": 1})
+
+    def evaluated(self, trials: int | None, social: str) -> Self:
+        """With other `trials`, with another social module."""
+        modules = self.modules.model_copy(update={"social": social or self.modules.social})
+        return self.model_copy(update={"trials": self.trials if trials is None else trials, "modules": modules})
+
+    def idle(self, agents: Mapping[str, AgentParameters]) -> tuple[str, ...]:
+        """The planning options where the social module does not plan."""
+        return () if agents[self.starts[SOCIAL].agent].plans else self.planning_options
+
+    def with_whole_modules(self, experiments: Mapping[str, Experiment]) -> Self:
+        """With the human that the social module was trained with."""
+        social = self.starts[SOCIAL]
+        if social.human is not None:
+            return self
+        return self.evaluated(None, f"{self.modules.social}/{experiments[social.experiment].met[0]}")
+
+    def task_in(self, site: Site) -> VisitTask:
+        """The visit in the lab, with the Q of navigation and go_to_human."""
+        world = make_visit_world(site.human, self.goal_rooms, site.distances, site.lab)
+        tables = site.tables[NAVIGATION], site.tables[GO_TO_HUMAN]
+        return make_visit(world, *tables, self.trial_steps, self.social_reward)
+
+    def parameters_of(self, agent: AgentParameters) -> AgentParameters:
+        """Those of the social module, which plans as often as the visit says."""
+        return agent.model_copy(update={"plan_every": self.plan_every}) if agent.plans else agent
+
+    def restored(self, agent: AgentParameters, setting: Setting, saved: Saved) -> Any:
+        """The social module, which may begin with no rewards to plan with."""
+        record = agent.restore(setting, saved)
+        if self.planner_rewards == "restart":
+            agent.forget_rewards(record)
+        return record
+
+
+AnyExperiment = Annotated[NavigationTraining | GoToHumanTraining | SocialTraining | Visit, Field(discriminator="task")]

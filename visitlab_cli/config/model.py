@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, Discriminator, Field, JsonValue, Tag
 
 from visitlab_cli.agents.registry import AnyAgent
-from visitlab_cli.config.experiments import Experiment
+from visitlab_cli.config.experiments import AnyExperiment
 from visitlab_cli.config.names import LOG_ENDING, RESERVED_EXPERIMENTS, RESERVED_RUNS, Name
 from visitlab_cli.humans.registry import AnyHuman
 from visitlab_cli.settings import Settings
@@ -110,7 +110,7 @@ class Config(Settings):
     seeds: int = Field(default=1, ge=1, le=100_000, description="independent repetitions of each cell")
     humans: dict[Name, AnyHuman] = Field(default={}, description="the humans, by name")
     agents: dict[Name, AnyAgent] = Field(min_length=1, description="the learning agents, by name")
-    experiments: dict[ExperimentName, Experiment] = Field(min_length=1, description="trainings and visits, by name")
+    experiments: dict[ExperimentName, AnyExperiment] = Field(min_length=1, description="trainings and visits, by name")
     interaction: Interaction = Field(default=Interaction(), description="distances of the interaction")
     record: Record = Field(default=Record(), description="what is logged")
     vary: dict[str, Annotated[tuple[JsonValue, ...], Field(min_length=1)]] = Field(

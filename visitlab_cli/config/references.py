@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from visitlab_cli.agents.base import AgentParameters
-from visitlab_cli.config.experiments import MODULE_TASKS, SocialTraining, Training, Visit
+from visitlab_cli.config.experiments import MODULE_TASKS, SocialTraining, Visit
 from visitlab_cli.config.names import module
 from visitlab_cli.config.problems import Issue, Path, or_else, printable
 from visitlab_cli.humans.base import HumanParameters
@@ -31,14 +31,14 @@ def issues(declared: Declared) -> list[Issue]:
             found += _agent(("agents", name), agent, declared)
     for name, experiment in declared.experiments.items():
         path = ("experiments", name)
-        if isinstance(experiment, Training):
+        if experiment is not None and experiment.trained:
             found += _players(path, experiment, declared)
-        if isinstance(experiment, SocialTraining) and experiment.start_from is not None:
+        if getattr(experiment, "start_from", None) is not None:
             messages = _start(name, experiment, experiment.start_from, declared)
             found += [Issue((*path, "start_from"), message) for message in messages]
-        if isinstance(experiment, SocialTraining | Visit):
+        if experiment is not None and experiment.met:
             found += _each_declared("human", (*path, "humans"), experiment.humans, declared.humans)
-        if isinstance(experiment, Visit):
+        if experiment is not None and experiment.assembled:
             found += _visit(path, experiment, declared)
     for cell in declared.expected:
         found += _expected(cell, declared)

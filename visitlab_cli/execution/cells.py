@@ -6,12 +6,13 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from visitlab_cli.config.canonical import config_hash
-from visitlab_cli.config.experiments import Experiment, SocialTraining, Training, Visit
+from visitlab_cli.config.experiment import Experiment
 from visitlab_cli.config.grid import variants
 from visitlab_cli.config.model import Config
-from visitlab_cli.config.names import Module, module
+from visitlab_cli.config.names import Module
 from visitlab_cli.execution.evaluation import AS_DECLARED, Evaluation
-from visitlab_cli.world.tasks import GO_TO_HUMAN, NAVIGATION, SOCIAL
+from visitlab_cli.world.columns import HUMAN
+from visitlab_cli.world.tasks import SOCIAL
 
 
 @dataclass(frozen=True)
@@ -52,20 +53,17 @@ class Cell:
     @property
     def group(self) -> str:
         """What cells that differ in nothing but their seeds share: the path without model and seed."""
-        settings = self.settings
-        crossed = isinstance(settings, Visit) and settings.models == "crossed"
-        return self.path.rsplit("/", 2 if crossed else 1)[0]
+        return self.path.rsplit("/", 2 if self.settings.crossed else 1)[0]
 
     @property
     def trials(self) -> int:
         """Trials of the whole cell."""
-        return self.steps // self.settings.trial_steps
+        return self.settings.n_trials
 
     @property
     def steps(self) -> int:
         """Steps of the whole cell."""
-        settings = self.settings
-        return settings.trials * settings.trial_steps if isinstance(settings, Visit) else settings.steps
+        return self.settings.n_steps
 
 
 SEED, MODEL = "seed-", "model-"
@@ -98,100 +96,70 @@ class _Point:
 
 
 def plan(config: Config, evaluation: Evaluation | None = None) -> list[Cell]:
-    """All cells of a config, each after those that it needs; with `evaluation` only those visits."""
+    """All cells of a config, each after those that it needs; with `evaluation` only those of assembled modules."""
     cells: dict[str, Cell] = {}
     run_hash = config_hash(config)
     for variant in variants(config):
         point = _Point(variant.config, variant.values, variant.labels, run_hash)
         for name, settings in variant.config.experiments.items():
-            if isinstance(settings, Visit):
-                made = _visits(point, name, evaluation or AS_DECLARED)
-            else:
-                made = _trainings(point, name, settings) if evaluation is None else iter(())
-            for cell in made:
-                cells.setdefault(cell.path, cell)
+            if evaluation is None or settings.assembled:
+                for cell in _cells(point, name, evaluation or AS_DECLARED):
+                    cells.setdefault(cell.path, cell)
     return sorted(cells.values(), key=_rank)
 
 
 def _rank(cell: Cell) -> tuple[bool, int]:
-    """Trainings before visits; of trainings first those that start from no other."""
-    if isinstance(cell.settings, Visit):
-        return True, 0
-    return False, len(_chain(cell.config, Module(cell.experiment, cell.agent, cell.human)))
+    """Trainings before what is assembled of them; of trainings first those that start from no other."""
+    return cell.settings.assembled, _depth(cell.config, cell.experiment)
+
+
+def _depth(config: Config, experiment: str) -> int:
+    """How many experiments come one after another until this one can start."""
+    starts = config.experiments[experiment].starts.values()
+    return 1 + max((_depth(config, start.experiment) for start in starts), default=0)
+
+
+def _cells(point: _Point, name: str, evaluation: Evaluation) -> Iterator[Cell]:
+    config = evaluation.applied(point.config, name)
+    settings = config.experiments[name]
+    for agent in settings.trained or ("",):
+        for human in evaluation.humans or settings.met or ("",):
+            used = _used(config, Module(name, agent, human))
+            labels, values = point.labels_of(used), point.values_of(used)
+            for seed, model_seed in settings.seed_pairs(config.seeds):
+                model = f"{MODEL}{model_seed:04d}" if settings.crossed else ""
+                path = evaluation.folder + "/".join(filter(None, (name, agent, human, labels, model, _seed(seed))))
+                needed = {task: _trained_path(point, start, model_seed) for task, start in settings.starts.items()}
+                player = agent or settings.starts[SOCIAL].agent
+                yield Cell(path, config, point.run_hash, name, seed, player, human, needed, evaluation, values)
 
 
 def _seed(seed: int) -> str:
     return f"{SEED}{seed:04d}"
 
 
-def _trainings(point: _Point, name: str, settings: Training) -> Iterator[Cell]:
-    for agent in settings.agents:
-        for human in settings.humans if isinstance(settings, SocialTraining) else ("",):
-            for seed in range(point.config.seeds):
-                training, *starts = _chain(point.config, Module(name, agent, human))
-                path = _training_path(point, training, seed)
-                needed = {SOCIAL: _training_path(point, starts[0], seed)} if starts else {}
-                values = point.values_of(_used_by_training(point.config, training))
-                yield Cell(path, point.config, point.run_hash, name, seed, agent, human, needed, point=values)
-
-
-def _chain(config: Config, training: Module) -> list[Module]:
-    """A training, the one that it starts from, and so on."""
-    chain = [training]
-    while (start := getattr(config.experiments[chain[-1].experiment], "start_from", None)) is not None:
-        chain.append(module(start))
-    return chain
-
-
-def _training_path(point: _Point, training: Module, seed: int) -> str:
-    labels = point.labels_of(_used_by_training(point.config, training))
+def _trained_path(point: _Point, training: Module, seed: int) -> str:
+    labels = point.labels_of(_used(point.config, training))
     return "/".join(filter(None, (*training, labels, _seed(seed))))
-
-
-def _visits(point: _Point, name: str, evaluation: Evaluation) -> Iterator[Cell]:
-    config = point.config
-    settings = config.experiments[name]
-    assert isinstance(settings, Visit)
-    if evaluation.trials is not None or evaluation.social:
-        trials = settings.trials if evaluation.trials is None else evaluation.trials
-        played = settings.modules.model_copy(update={"social": evaluation.social or settings.modules.social})
-        settings = settings.model_copy(update={"trials": trials, "modules": played})
-        config = config.model_copy(update={"experiments": {**config.experiments, name: settings}})
-    modules = {task: module(getattr(settings.modules, task)) for task in (NAVIGATION, GO_TO_HUMAN, SOCIAL)}
-    for human in evaluation.humans or settings.humans:
-        used = {f"experiments.{name}", f"humans.{human}", *EVERY_CELL, INTERACTION}
-        used = used.union(*(_used_by_training(config, where) for where in modules.values()))
-        labels = point.labels_of(used)
-        for seed, model_seed in _seed_pairs(settings.models, config.seeds):
-            model = f"{MODEL}{model_seed:04d}" if settings.models == "crossed" else ""
-            path = evaluation.folder + "/".join(filter(None, (name, human, labels, model, _seed(seed))))
-            needed = {task: _training_path(point, where, model_seed) for task, where in modules.items()}
-            agent = modules[SOCIAL].agent
-            values = point.values_of(used)
-            yield Cell(path, config, point.run_hash, name, seed, agent, human, needed, evaluation, values)
-
-
-def _seed_pairs(models: str, seeds: int) -> list[tuple[int, int]]:
-    """The (visit seed, training seed) pairs of `models: paired | first | crossed`."""
-    if models == "crossed":
-        return [(seed, model) for model in range(seeds) for seed in range(seeds)]
-    return [(seed, 0 if models == "first" else seed) for seed in range(seeds)]
 
 
 EVERY_CELL = ("seed", "record")
 INTERACTION = "interaction"
 
 
-def _used_by_training(config: Config, training: Module) -> set[str]:
-    """The parts of the config that a training's result depends on, as dotted paths."""
-    return set().union(*(_used_alone(config, each) for each in _chain(config, training)))
+def _used(config: Config, place: Module) -> set[str]:
+    """The parts of the config that the result of an experiment with this agent and human depends on, as dotted paths.
 
-
-def _used_alone(config: Config, training: Module) -> set[str]:
-    """Those without the training that it starts from."""
-    parameters = config.agents[training.agent]
-    agents = {training.agent, *(getattr(parameters, reference) for reference in parameters.references)}
-    used = {f"experiments.{training.experiment}", *(f"agents.{each}" for each in agents), *EVERY_CELL}
-    if training.human:
-        used.add(f"humans.{training.human}")
-    return used if config.experiments[training.experiment].task == NAVIGATION else used | {INTERACTION}
+    Those of the trained modules that it starts from are among them.
+    """
+    settings = config.experiments[place.experiment]
+    used = {f"experiments.{place.experiment}", *EVERY_CELL}
+    if place.agent:
+        parameters = config.agents[place.agent]
+        others = (getattr(parameters, reference) for reference in parameters.references)
+        used |= {f"agents.{agent}" for agent in (place.agent, *others)}
+    if place.human:
+        used.add(f"humans.{place.human}")
+    if HUMAN in settings.plays.parts:
+        used.add(INTERACTION)
+    return used.union(*(_used(config, start) for start in settings.starts.values()))

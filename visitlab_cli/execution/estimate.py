@@ -6,12 +6,10 @@ the machine is faster or slower; twice as much or half as much is still the righ
 """
 
 from collections.abc import Sequence
-from typing import NamedTuple, get_args
+from typing import NamedTuple
 
-from visitlab_cli.agents.base import AgentParameters
-from visitlab_cli.agents.registry import AnyAgent
+from visitlab_cli.agents.registry import KINDS
 from visitlab_cli.agents.uniform_random import RandomParameters
-from visitlab_cli.config.experiments import Visit
 from visitlab_cli.execution.cells import Cell
 from visitlab_cli.world.tasks import GO_TO_HUMAN, NAVIGATION, SOCIAL, VISIT
 
@@ -54,8 +52,7 @@ def _seconds(cell: Cell) -> float:
 
 def _dearest(task: str) -> float:
     """The microseconds of a step of the dearest kind that tells them."""
-    kinds: tuple[type[AgentParameters], ...] = get_args(get_args(AnyAgent)[0])
-    return max(kind.microseconds_a_step.get(task, 0.0) for kind in kinds)
+    return max(kind.microseconds_a_step.get(task, 0.0) for kind in KINDS.values())
 
 
 def _ends(cells: Sequence[Cell], seconds: dict[str, float]) -> dict[str, float]:
@@ -68,8 +65,6 @@ def _ends(cells: Sequence[Cell], seconds: dict[str, float]) -> dict[str, float]:
 
 
 def _bytes(cell: Cell) -> float:
-    settings = cell.settings
-    trials = settings.trials if isinstance(settings, Visit) else settings.steps // settings.trial_steps
     one_in = cell.config.record.one_trial_in
     log = cell.steps * LOG_BYTES_A_STEP[cell.task] / one_in if one_in else 0.0
-    return log + trials * TRIAL_BYTES + MODEL_BYTES[cell.task]
+    return log + cell.trials * TRIAL_BYTES + MODEL_BYTES[cell.task]

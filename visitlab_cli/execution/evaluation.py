@@ -6,6 +6,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+from visitlab_cli.config.model import Config
 from visitlab_cli.errors import RunError
 from visitlab_cli.storage.cell_folder import one_line, to_json
 from visitlab_cli.storage.on_disk import EVALUATIONS, OPTIONS
@@ -39,6 +40,13 @@ class Evaluation:
         trials = "" if self.trials is None else f"{self.trials:,} trial{'' if self.trials == 1 else 's'}"
         told = [*(["frozen"] if self.frozen else []), trials, f"with {self.social}" if self.social else ""]
         return ", ".join(filter(None, told)) or "as declared"
+
+    def applied(self, config: Config, experiment: str) -> Config:
+        """The config with these options for an `experiment`; the same where there are none that its settings say."""
+        if self.trials is None and not self.social:
+            return config
+        settings = config.experiments[experiment].evaluated(self.trials, self.social)
+        return config.model_copy(update={"experiments": {**config.experiments, experiment: settings}})
 
     def as_json(self) -> dict[str, Any]:
         """Plain values."""

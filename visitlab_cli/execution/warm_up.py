@@ -7,9 +7,8 @@ from functools import cache
 
 import numpy as np
 
-from visitlab_cli.agents.base import AgentParameters, Saved, Setting
+from visitlab_cli.agents.base import Saved, Setting
 from visitlab_cli.compiled import JIT_DISABLED, cache_folder, cache_place
-from visitlab_cli.config.experiments import Visit
 from visitlab_cli.execution.build import Simulation, build
 from visitlab_cli.execution.cell_runner import simulate
 from visitlab_cli.execution.cells import Cell
@@ -18,7 +17,7 @@ from visitlab_cli.random_numbers import random_state
 from visitlab_cli.stopping import check_asked, nothing_to_lose
 from visitlab_cli.world.columns import StepColumns
 from visitlab_cli.world.lab import paper_lab
-from visitlab_cli.world.tasks import GO_TO_HUMAN, NAVIGATION, SOCIAL, TASKS, VISIT
+from visitlab_cli.world.tasks import SOCIAL, TASKS
 
 COMPILED = "compiled-"
 _compiled_here: set[str] = set()
@@ -63,7 +62,7 @@ def _warm_up(cells: Sequence[Cell], say: Callable[[str], None]) -> None:
 def _pair(cell: Cell) -> str:
     """A name for what decides the types that the loop is compiled for."""
     agent = cell.config.agents[cell.agent]
-    started = bool(cell.modules) and cell.task != VISIT  # an observer that goes on is of another type
+    started = bool(cell.modules) and not cell.settings.assembled  # an observer that goes on is of another type
     kinds = [cell.task, agent.kind, "frozen" if cell.frozen else "", "started" if started else ""]
     kinds += [cell.config.agents[getattr(agent, other)].kind for other in agent.references]
     return "-".join(filter(None, kinds))
@@ -79,19 +78,16 @@ def _forget(columns: StepColumns, rows: int) -> None:
 
 
 def _one_step(cell: Cell) -> Simulation:
-    settings = cell.settings
-    one_trial = {"trials": 1} if isinstance(settings, Visit) else {"steps": settings.trial_steps}
-    experiments = {**cell.config.experiments, cell.experiment: settings.model_copy(update=one_trial)}
+    experiments = {**cell.config.experiments, cell.experiment: cell.settings.for_one_trial()}
     short = replace(cell, config=cell.config.model_copy(update={"experiments": experiments}))
-    return build(short, _empty_models(cell) if cell.modules else {})._replace(steps=1)
+    return build(short, _empty_models(cell))._replace(steps=1)
 
 
 def _empty_models(cell: Cell) -> dict[str, Saved]:
     """Models of the right types and sizes that have learned nothing."""
-    size = TASKS[SOCIAL].size(paper_lab())
-    parameters: AgentParameters = cell.config.agents[cell.agent]
-    social = parameters.save(parameters.create(Setting(SOCIAL, *size, 1, cell.config.agents)))
-    tables: dict[str, Saved] = {
-        module: {"q": np.zeros(TASKS[module].size(paper_lab()))} for module in (NAVIGATION, GO_TO_HUMAN)
-    }
-    return {**tables, SOCIAL: social}
+    sizes = {module: TASKS[module].size(paper_lab()) for module in cell.modules}
+    models: dict[str, Saved] = {module: {"q": np.zeros(size)} for module, size in sizes.items()}
+    if SOCIAL in models:
+        parameters = cell.config.agents[cell.agent]
+        models[SOCIAL] = parameters.save(parameters.create(Setting(SOCIAL, *sizes[SOCIAL], 1, cell.config.agents)))
+    return models

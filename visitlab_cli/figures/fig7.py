@@ -8,7 +8,6 @@ import numpy.typing as npt
 
 from visitlab_cli.agents.observer import ObserverParameters
 from visitlab_cli.analysis.exact_navigation import navigation_optimal_q
-from visitlab_cli.config.experiments import NavigationTraining
 from visitlab_cli.figures.drawing import Drawing
 from visitlab_cli.figures.source import Floats, Group, Source
 from visitlab_cli.pictures.style import FONT_SIZE, GREEN, GREY, INK, PAGE, VERMILION
@@ -16,6 +15,7 @@ from visitlab_cli.results.estimates import half_width
 from visitlab_cli.scene.words import room_name
 from visitlab_cli.world.enums import MAX_SPEED
 from visitlab_cli.world.lab import LAB_SIZE, N_ROOMS, ROOM_SIZE, ROOMS_PER_SIDE
+from visitlab_cli.world.tasks import NAVIGATION
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -73,7 +73,7 @@ def draw_fig7(source: Source) -> Drawing:
     missing = [name for name in names if name not in source.groups]
     notes = [f"without {', '.join(missing)}: not in this run"] if missing else []
     groups = [source.groups[name] for name in names if name in source.groups]
-    if not groups or not isinstance(groups[0].cells[0].settings, NavigationTraining):
+    if not groups or groups[0].cells[0].task != NAVIGATION:
         return Drawing(None, notes)
     if shortfall := source.shortfall(names):
         notes.append(shortfall)

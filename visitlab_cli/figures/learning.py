@@ -3,7 +3,8 @@
 from visitlab_cli.agents.observer import ObserverParameters
 from visitlab_cli.analysis.exact_values import possible
 from visitlab_cli.analysis.published_curves import PublishedCurve, published_curves
-from visitlab_cli.config.experiments import Experiment, Visit
+from visitlab_cli.config.experiment import Experiment
+from visitlab_cli.config.experiments import Visit
 from visitlab_cli.figures.designs import Condition, Design
 from visitlab_cli.figures.panel import CHANCE, OPTIMUM, Line, Panel, Reference
 from visitlab_cli.figures.source import Group, Source

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from visitlab_cli.config.canonical import dump_yaml
-from visitlab_cli.config.experiments import Experiment, Visit
+from visitlab_cli.config.experiment import Experiment
 from visitlab_cli.config.grid import value_in_words
 from visitlab_cli.config.model import Config
 from visitlab_cli.report.curves import Chart
@@ -70,22 +70,21 @@ def what_was_run(facts: Facts, title: str) -> Html:
 
 
 def _experiment(facts: Facts, name: str, settings: Experiment) -> Html:
-    if isinstance(settings, Visit):
-        agents = list(settings.modules.model_dump().values())
-        length = f"{counted(settings.trials, 'trial')} of {counted(settings.trial_steps, 'step')}"
+    if settings.assembled:
+        agents = ["/".join(filter(None, start)) for start in settings.starts.values()]
+        length = f"{counted(settings.n_trials, 'trial')} of {counted(settings.trial_steps, 'step')}"
     else:
-        agents = [_agent(facts.config, each) for each in settings.agents]
-        length = f"{counted(settings.steps, 'step')} in trials of {settings.trial_steps:,}"
-    start = getattr(settings, "start_from", None)
+        agents = [_agent(facts.config, each) for each in settings.trained]
+        length = f"{counted(settings.n_steps, 'step')} in trials of {settings.trial_steps:,}"
+    start = "" if settings.assembled else ", ".join("/".join(filter(None, each)) for each in settings.starts.values())
     about = TASKS[settings.task] + (f"; goes on from {start}" if start else "")
-    humans = getattr(settings, "humans", ())
     lines = [line for line in facts.summaries if line.group.experiment == name]
     cells = f"{sum(line.done for line in lines):,} of {sum(len(line.group.cells) for line in lines):,}"
     return element(
         "tr",
         element("th", breakable(name), element("small", breakable(about)), scope="row"),
-        element("td", *_listed(agents), data_label="Modules" if isinstance(settings, Visit) else "Agents"),
-        element("td", *_listed(humans or ["none"]), data_label="Humans"),
+        element("td", *_listed(agents), data_label="Modules" if settings.assembled else "Agents"),
+        element("td", *_listed(settings.met or ["none"]), data_label="Humans"),
         element("td", length, data_label="Length"),
         element("td", cells, data_label="Cells"),
     )
@@ -131,7 +130,7 @@ def trial(facts: Facts, trials: Sequence[Mapping[str, Any]], title: str) -> Html
         note = "Of each visit the recorded trial in which the human reached the most goal rooms."
         player = element("div", element("noscript", WITHOUT_SCRIPT), id="player", class_="player")
         return section("trial", title, element("p", note, class_="note"), player)
-    if not any(isinstance(each, Visit) for each in facts.config.experiments.values()):
+    if not any(each.assembled for each in facts.config.experiments.values()):
         why = "This config has no visit."
     elif not facts.config.record.one_trial_in:
         why = "No steps were recorded (record.steps: none). A run with record.steps=every shows its best trial here."

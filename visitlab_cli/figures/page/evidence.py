@@ -11,7 +11,6 @@ from visitlab_cli.analysis.counterparts import COUNTERPARTS, Absent, OurCurve, o
 from visitlab_cli.analysis.published_curves import PublishedCurve, published_curves
 from visitlab_cli.analysis.variants import Variant, changes
 from visitlab_cli.config.canonical import config_hash
-from visitlab_cli.config.experiments import Visit
 from visitlab_cli.config.files import shipped_configs
 from visitlab_cli.config.loading import load
 from visitlab_cli.execution.cells import Cell, plan
@@ -110,7 +109,7 @@ def _choice(name: str, file: Path, cells: Sequence[Cell], variants: Sequence[Var
     exact = [variant for variant in called_so if variant.cells[0].run_hash == run_hash]
     variant = next(iter([*exact, *called_so]), None)
     others = variant.cells if variant else planned
-    crossed = any(isinstance(cell.settings, Visit) and cell.settings.models == "crossed" for cell in others)
+    crossed = any(cell.settings.crossed for cell in others)
     return Choice(
         name, _changes(cells, others), crossed, variant, progress_of(variant.run, variant.cells) if variant else None
     )
