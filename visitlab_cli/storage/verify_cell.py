@@ -77,6 +77,8 @@ def _malformed(cell: Any, text: str) -> str | None:
         return f"of format {cell['format']}, not {CELL_FORMAT}"
     if SOURCES in cell and not is_sources(cell[SOURCES]):
         return f"damaged: {SOURCES} is no hash of sources"
+    if SOURCES not in cell and (unknown := cell.keys() - {"format", "files", *FACTS}):
+        return f"damaged: says {min(unknown)!r}, which no cell of before {SOURCES} says"
     if not all(_is_description(described) for described in cell["files"].values()):
         return "damaged: a file is not described by size and sha256"
     if not all(isinstance(version, str) for version in cell["versions"].values()):
