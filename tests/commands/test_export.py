@@ -30,7 +30,8 @@ def test_a_trial_with_the_words_of_the_replay(tiny_run, tmp_path):
     told = [log.message for log in messages(path, "/caption")]
     assert told == [f"trial 1, step {row}: {caption}" for row, caption in enumerate(captions(steps))]
     assert [step.state for step in messages(path, "/step")] == steps["state"].tolist()
-    said = [[text.text for text in scene.entities[0].texts] for scene in messages(path, "/scene")]
+    robots = [entity for scene in messages(path, "/scene") for entity in scene.entities if entity.id == "robot"]
+    said = [[text.text for text in robot.texts] for robot in robots]
     assert said == [[GESTURES[action]] if action in GESTURES else [] for action in steps["executed_action"].tolist()]
     assert sum(map(len, said)) > 0
 

@@ -41,8 +41,8 @@ def _draw(shape: object, axes: "Axes") -> None:
     """What has no place on paper: the tiles, which are lines, and the sight, which ends at the world."""
 
 
-@_draw.register
-def _(shape: Area, axes: "Axes") -> None:
+@_draw.register(Area)
+def _draw_area(shape: Area, axes: "Axes") -> None:
     """Walls as lines, goal rooms filled, names in the corner."""
     if shape.role in (Role.GOAL, Role.REACHED):
         axes.fill(*shape.outline[:4].T, color=shares(shape.style.colour), linewidth=0, zorder=0.5)
@@ -52,13 +52,13 @@ def _(shape: Area, axes: "Axes") -> None:
     axes.text(x + 0.4, y + 0.35, shape.text, fontsize=LETTERS, color="0.6", va="top")
 
 
-@_draw.register
-def _(shape: Polygon, axes: "Axes") -> None:
+@_draw.register(Polygon)
+def _draw_polygon(shape: Polygon, axes: "Axes") -> None:
     axes.fill(*shape.points.T, color=shares(shape.style.colour), linewidth=0, zorder=2)
 
 
-@_draw.register
-def _(shape: Line, axes: "Axes") -> None:
+@_draw.register(Line)
+def _draw_line(shape: Line, axes: "Axes") -> None:
     """A flag's pole; of a way the last step, with a dimmed body where it began."""
     if shape.role == Role.TILE:
         return
@@ -72,8 +72,8 @@ def _(shape: Line, axes: "Axes") -> None:
         axes.plot(*then, marker=marker, markersize=BEFORE, color=colour, alpha=DIMMED, markeredgewidth=0, zorder=3)
 
 
-@_draw.register
-def _(shape: Arrow, axes: "Axes") -> None:
+@_draw.register(Arrow)
+def _draw_pointer(shape: Arrow, axes: "Axes") -> None:
     _draw_arrow(axes, shape.start, shape.end, shape)
     if shape.text:
         way = (shape.end - shape.start) / np.linalg.norm(shape.end - shape.start)
@@ -82,15 +82,15 @@ def _(shape: Arrow, axes: "Axes") -> None:
         axes.text(x, y, shape.text, ha="right" if way[0] > 0 else "left", va="center", **style)
 
 
-@_draw.register
-def _(shape: Body, axes: "Axes") -> None:
+@_draw.register(Body)
+def _draw_body(shape: Body, axes: "Axes") -> None:
     _draw_arrow(axes, shape.place, shape.tip, shape)
     look: Any = {"markersize": BODY * shape.scale, "markeredgecolor": "k", "markeredgewidth": 0.4, "zorder": 5}
     axes.plot(*shape.place, marker=MARKERS[shape.role], color=shares(shape.style.colour), gid=str(shape.role), **look)
 
 
-@_draw.register
-def _(shape: Speech, axes: "Axes") -> None:
+@_draw.register(Speech)
+def _draw_speech(shape: Speech, axes: "Axes") -> None:
     """What the robot says, in a bubble within the panel."""
     (x, y), up = shape.place, -1 if shape.above else 1
     low, high = sorted(axes.get_xlim())
