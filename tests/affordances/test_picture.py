@@ -71,6 +71,21 @@ def test_what_a_visit_changed(found, panels):
         np.testing.assert_allclose(drawn[f"true/{visit.cell.human}"], [(each.low + each.high) / 2 for each in truth])
 
 
+def test_it_says_why_one_arrow_has_two_true_values(found):
+    twice = [
+        arrow
+        for arrow in ARROWS
+        for visit in found.adaptations
+        if visit.cell.human == found.cell.human and weight(found.knows, arrow).low != weight(visit.saw, arrow).low
+    ]
+    assert twice, "the training and the visit tried at other distances"
+    said = " ".join(text.get_text() for text in draw_affordances(found).texts)
+    assert "one arrow can have two true values" in said
+    assert "two true values" not in " ".join(
+        text.get_text() for text in draw_affordances(found._replace(adaptations=[])).texts
+    )
+
+
 def test_the_maps(found, panels):
     policies = [found.policy, *(visit.policy for visit in found.adaptations)]
     maps = np.array(panels[5:]).reshape(len(policies), N_LEVELS)

@@ -16,7 +16,13 @@ BEFORE, AFTER, TRUE = "before", "after", "true"
 LOOKS: dict[str, Any] = {
     BEFORE: {"marker": "o", "markerfacecolor": "white", "markeredgecolor": GREY, "markersize": 5.2, "label": "before"},
     AFTER: {"marker": "o", "color": BLUE, "markersize": 3.4, "label": "after the visit"},
-    TRUE: {"marker": "|", "color": VERMILION, "markersize": 9, "markeredgewidth": 1.6, "label": "true for this human"},
+    TRUE: {
+        "marker": "|",
+        "color": VERMILION,
+        "markersize": 9,
+        "markeredgewidth": 1.6,
+        "label": "true in the visit",
+    },
 }
 
 

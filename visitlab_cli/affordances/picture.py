@@ -25,13 +25,18 @@ if TYPE_CHECKING:
 # In inches.
 EDGE, TITLE, GAP = 0.08, 0.12, 0.12
 GRAPH = (PAGE - 3 * EDGE) / 2
-NAMES, CHANGE, LINES, BELOW = 1.72, 1.8, 2.25, 0.5
+NAMES, CHANGE, LINES, BELOW, TRUTHS = 1.72, 1.8, 2.25, 0.56, 0.26
 MAPS_TITLE, ROW_NAME, MAP, WORDS = 0.36, 0.56, 0.83, 0.66
 ROW_WORDS = 0.48
 """What the words of a row's name may take of it."""
 TITLE_SIZE = 8
 MOST_VISITS = 3
 """Visits that are shown; the others are in `--json`."""
+TWO_TRUTHS = (
+    "True: what the human's parameters give, averaged over the distances at which the action was tried. These are "
+    "others in the training\n(the graph at the top) than in the visit (red, here): one arrow can have two true values, "
+    "even for one human."
+)
 
 
 class Sheet:
@@ -75,7 +80,7 @@ def draw_affordances(found: Affordances) -> "Figure":
     visits = found.adaptations[:MOST_VISITS]
     above_graphs, above_changes = graph_titles(found), change_titles(found)
     graphs = room_for(above_graphs) + GRAPH * HEIGHT / WIDTH + GAP
-    changes = room_for(above_changes) + LINES + BELOW + GAP if visits else 0.0
+    changes = room_for(above_changes) + LINES + BELOW + TRUTHS + GAP if visits else 0.0
     maps = MAPS_TITLE + MAP * (1 + len(visits)) + WORDS
     sheet = Sheet(graphs + changes + maps)
     _graphs(sheet, found, above_graphs)
@@ -93,7 +98,10 @@ def in_words(human: str) -> str:
 def graph_titles(found: Affordances) -> list[str]:
     """Of the learned graph and the true one, in lines."""
     human = in_words(found.cell.human)
-    titles = f"Learned with {human}: probability (times tried)", f"True for {human} (varies: with where both stand)"
+    titles = (
+        f"Learned with {human}: probability (times tried)",
+        f"True for {human} (varies: with where both stand)",
+    )
     return [in_lines(title, GRAPH - EDGE, TITLE_SIZE, "bold") for title in titles]
 
 
@@ -125,7 +133,9 @@ def _changes(sheet: Sheet, found: Affordances, titles: Sequence[str]) -> None:
         if index == 0:
             place: Any = {"loc": "upper right", "bbox_to_anchor": (-0.02, -0.02), "handletextpad": 0.3}
             axes.legend(borderaxespad=0, **place)
-    sheet.top += LINES + BELOW + GAP
+    sheet.top += LINES + BELOW
+    sheet.write(TWO_TRUTHS, fontsize=SMALL, linespacing=1.3)
+    sheet.top += TRUTHS + GAP
 
 
 def _maps(sheet: Sheet, found: Affordances) -> None:

@@ -15,12 +15,19 @@ from visitlab_cli.world.tasks import GO_TO_HUMAN, NAVIGATION, SOCIAL, VISIT
 
 LOG_BYTES_A_STEP = {NAVIGATION: 38.0, GO_TO_HUMAN: 38.0, SOCIAL: 43.0, VISIT: 42.0}
 """A recorded step in `steps.mcap`."""
+LOG_BYTES = 11_000.0
+"""A log without steps: schema, config, index."""
 
 TRIAL_BYTES = 7.0
 """A trial's row in `trials.parquet`."""
+CELL_BYTES = 3_000.0
+"""The files of a cell with nothing in them."""
 
 MODEL_BYTES = {NAVIGATION: 360_000.0, GO_TO_HUMAN: 75_000.0, SOCIAL: 650_000.0, VISIT: 700_000.0}
-"""A `model.npz` at most; one that keeps no counts is smaller."""
+"""A `model.npz` with counts when hardly anything new is met: after `MODEL_STEPS`; before, it grows as below."""
+MODEL_STEPS, MODEL_GROWTH = 200_000, 0.65
+WITHOUT_COUNTS, NOT_LEARNED = 0.25, {"random": 0.0, "scripted": 0.0}
+"""What of it an agent has that keeps no counts, and those that learn nothing."""
 
 
 class Estimate(NamedTuple):
@@ -65,6 +72,20 @@ def _ends(cells: Sequence[Cell], seconds: dict[str, float]) -> dict[str, float]:
 
 
 def _bytes(cell: Cell) -> float:
+    return CELL_BYTES + cell.trials * TRIAL_BYTES + _log_bytes(cell) + _model_bytes(cell)
+
+
+def _log_bytes(cell: Cell) -> float:
+    """Of `steps.mcap`: nothing where no trial is recorded, the first trial at least where some are."""
     one_in = cell.config.record.one_trial_in
-    log = cell.steps * LOG_BYTES_A_STEP[cell.task] / one_in if one_in else 0.0
-    return log + cell.trials * TRIAL_BYTES + MODEL_BYTES[cell.task]
+    if not one_in:
+        return 0.0
+    recorded = -(-cell.trials // one_in) * cell.settings.trial_steps
+    return LOG_BYTES + recorded * LOG_BYTES_A_STEP[cell.task]
+
+
+def _model_bytes(cell: Cell) -> float:
+    """Of `model.npz`, which has what was met; in a visit that of the social module."""
+    agent = cell.config.agents[cell.agent]
+    share = NOT_LEARNED.get(agent.kind, 1.0 if agent.plans else WITHOUT_COUNTS)
+    return share * MODEL_BYTES[cell.task] * float(min(1.0, (cell.steps / MODEL_STEPS) ** MODEL_GROWTH))

@@ -158,9 +158,9 @@ def _strip(shape: Shape) -> list[Line]:
     """A line, a shaft without a head, or a triangle filled with lines."""
     if isinstance(shape, Polygon):
         first, second, third = shape.points
-        downs = np.linspace(0, 1, 9, dtype=np.float32)
+        downs = np.linspace(0, 1, 17, dtype=np.float32)
         edges = [(first + down * (third - first), _along(first, second, third, float(down))) for down in downs]
-        return [Line(np.stack(edge), 0.085, shape.style.colour) for edge in edges]
+        return [Line(np.stack(edge), 0.05, shape.style.colour) for edge in edges]
     if isinstance(shape, Way | Arrow):
         points = shape.points if isinstance(shape, Way) else np.stack([shape.start, shape.end])
         return [Line(points, shape.style.width / 2, shape.style.colour)]

@@ -54,11 +54,12 @@ def save_picture(trial: Trial, step: int, target: Path) -> None:
         picture = Path(folder) / "picture.png"
         try:
             _take(port, recording, step, picture)
+        except RunError:
+            raise  # it was too slow, and says so
         except Exception as error:  # whatever the experimental client raises
-            line = str(error).strip().splitlines()[:1]
-            raise RunError(
-                f"the viewer drew no picture: {''.join(line) or type(error).__name__}; {NO_DRIVER}"
-            ) from error
+            line = "".join(str(error).strip().splitlines()[:1]) or type(error).__name__
+            why = NO_DRIVER if viewer.poll() is not None else "it runs, but is too slow or busy; try again"
+            raise RunError(f"the viewer drew no picture: {line}; {why}") from error
         write_again(target, picture.read_bytes())
 
 
