@@ -3,12 +3,16 @@
 import json
 import shutil
 
+import pytest
+
 from tests.program import TINY, hashes, visitlab
 from visitlab_cli.agents.model_based import ModelBasedParameters
 from visitlab_cli.config.canonical import config_hash
 from visitlab_cli.config.loading import load
 from visitlab_cli.execution.cells import plan
-from visitlab_cli.execution.estimate import LOG_BYTES_A_STEP, estimate
+from visitlab_cli.execution.estimate import CELL_SECONDS, LOG_BYTES, LOG_BYTES_A_STEP, estimate
+
+ONE_CELL = "experiments={navigation: {task: navigation, agents: [mf], steps: 1200}}"
 
 
 def test_show_prints_a_config_that_is_the_same(tmp_path):
@@ -83,22 +87,47 @@ def test_a_dry_run_counts_what_is_done(tiny_run, tmp_path):
     assert hashes(run) == before
 
 
-def test_the_estimate_of_disk_is_about_what_a_run_takes(tiny_run):
-    (run_of_steps,) = [load(TINY, ["experiments={navigation: {task: navigation, agents: [mf], steps: 1200}}"])]
-    cells = plan(run_of_steps)
-    log = (tiny_run / "navigation" / "mf" / "seed-0000" / "steps.mcap").stat().st_size
-    of_steps = 1200 * LOG_BYTES_A_STEP["navigation"]
-    assert 0.5 < log / of_steps < 2
-    assert of_steps < estimate(cells, 1).bytes
-    unrecorded = plan(run_of_steps.model_copy(update={"record": load(TINY, ["record.steps=none"]).record}))
-    assert round(estimate(cells, 1).bytes - estimate(unrecorded, 1).bytes) == round(of_steps)
+def size_of(cell, *, log):
+    return sum(file.stat().st_size for file in cell.iterdir() if log or file.name != "steps.mcap")
+
+
+def test_the_estimate_of_disk_is_about_what_each_cell_takes(tiny_run):
+    for cell in plan(load(TINY)):
+        taken = size_of(tiny_run / cell.path, log=True)
+        assert 0.5 < estimate([cell], 1).bytes / taken < 2, cell.path
+    for cell in plan(load(TINY, ["record.steps=none"])):
+        taken = size_of(tiny_run / cell.path, log=False)
+        assert 1 / 3 < estimate([cell], 1).bytes / taken < 3, cell.path
+
+
+def test_the_estimate_of_disk_has_the_trials_that_are_recorded():
+    (every,) = plan(load(TINY, [ONE_CELL]))
+    some = {n: plan(load(TINY, [ONE_CELL, f"record.steps={{one_trial_in: {n}}}"])) for n in (1, 7, 1_000)}
+    none = estimate(plan(load(TINY, [ONE_CELL, "record.steps=none"])), 1).bytes
+    logs = {n: estimate(cells, 1).bytes - none for n, cells in some.items()}
+    assert estimate([every], 1).bytes - none == logs[1]
+    a_trial = every.settings.trial_steps * LOG_BYTES_A_STEP["navigation"]
+    trials = every.trials
+    assert logs[1] == round(LOG_BYTES + trials * a_trial)
+    assert logs[7] == round(LOG_BYTES + -(-trials // 7) * a_trial)
+    assert logs[1_000] == round(LOG_BYTES + a_trial)
+
+
+def test_the_estimate_of_time_has_what_each_cell_costs_however_short_it_is():
+    for workers in (1, 2):
+        many = plan(load(TINY, [ONE_CELL.replace("1200", "20"), "seeds=300"]))
+        assert estimate(many, workers).seconds >= 300 * CELL_SECONDS["navigation"] / workers
+    (one,) = plan(load(TINY, [ONE_CELL]))
+    assert estimate([one], 9).seconds > CELL_SECONDS["navigation"]
 
 
 def test_more_workers_gain_until_the_longest_chain_is_left():
     cells = plan(load("quickstart"))
     seconds = [estimate(cells, workers).seconds for workers in (1, 2, 3, 99)]
     assert seconds[0] > seconds[1] >= seconds[2] == seconds[3] > 0
-    assert seconds[3] == 500_000 * ModelBasedParameters.microseconds_a_step["social"] / 1e6 + 100_000 * 22e-6
+    fixed = CELL_SECONDS["social"] + CELL_SECONDS["visit"]
+    step = ModelBasedParameters.microseconds_a_step["social"] / 1e6
+    assert seconds[3] == pytest.approx(500_000 * step + 2.2 + fixed)
 
 
 def test_every_agent_that_can_play_a_task_has_its_cost():

@@ -1,6 +1,8 @@
 """The viewer's picture, taken without a screen, shows what the log says."""
 
+import contextlib
 import os
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -44,3 +46,32 @@ def test_a_step_that_is_not_there(trial_of, tmp_path):
     with pytest.raises(UsageError) as error:
         picture.save_picture(trial_of("visit"), np.int64(101), tmp_path / "picture.png")
     assert str(error.value) == "--step 101: the trial has steps 0 to 100"
+
+
+@pytest.mark.parametrize(
+    ("error", "ended", "told"),
+    [
+        (RunError("the viewer did not load the trial within 60 seconds"), None, "{error}"),
+        (
+            TimeoutError("no answer"),
+            None,
+            "the viewer drew no picture: {error}; it runs, but is too slow or busy; try again",
+        ),
+        (ConnectionError("refused"), 1, "the viewer drew no picture: {error}; " + picture.NO_DRIVER),
+    ],
+)
+def test_only_a_viewer_that_ended_is_blamed_on_a_driver(trial_of, tmp_path, monkeypatch, error, ended, told):
+    def fails(*arguments):
+        raise error
+
+    @contextlib.contextmanager
+    def started(*arguments, **options):
+        yield SimpleNamespace(poll=lambda: ended)
+
+    monkeypatch.setenv(picture.DRIVER_VARIABLE, "there.json")
+    monkeypatch.setattr(picture, "started", started)
+    monkeypatch.setattr(picture, "answers", lambda port: True)
+    monkeypatch.setattr(picture, "_take", fails)
+    with pytest.raises(RunError) as raised:
+        picture.save_picture(trial_of("visit"), 1, tmp_path / "picture.png")
+    assert str(raised.value) == told.format(error=error)

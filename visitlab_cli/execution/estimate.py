@@ -13,6 +13,9 @@ from visitlab_cli.agents.uniform_random import RandomParameters
 from visitlab_cli.execution.cells import Cell
 from visitlab_cli.world.tasks import GO_TO_HUMAN, NAVIGATION, SOCIAL, VISIT
 
+CELL_SECONDS = {NAVIGATION: 0.02, GO_TO_HUMAN: 0.02, SOCIAL: 0.12, VISIT: 0.12}
+"""A cell of a few steps: its tables are made, its files written."""
+
 LOG_BYTES_A_STEP = {NAVIGATION: 38.0, GO_TO_HUMAN: 38.0, SOCIAL: 43.0, VISIT: 42.0}
 """A recorded step in `steps.mcap`."""
 LOG_BYTES = 11_000.0
@@ -54,7 +57,7 @@ def estimate(cells: Sequence[Cell], workers: int) -> Estimate:
 def _seconds(cell: Cell) -> float:
     agent = RandomParameters if cell.frozen else cell.config.agents[cell.agent]  # frozen: neither learns nor plans
     told = agent.microseconds_a_step.get(cell.task)
-    return cell.steps * (_dearest(cell.task) if told is None else told) / 1e6
+    return CELL_SECONDS[cell.task] + cell.steps * (_dearest(cell.task) if told is None else told) / 1e6
 
 
 def _dearest(task: str) -> float:
