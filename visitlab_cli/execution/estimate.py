@@ -13,7 +13,7 @@ from visitlab_cli.agents.uniform_random import RandomParameters
 from visitlab_cli.execution.cells import Cell
 from visitlab_cli.world.tasks import GO_TO_HUMAN, NAVIGATION, SOCIAL, VISIT
 
-CELL_SECONDS = {NAVIGATION: 0.02, GO_TO_HUMAN: 0.02, SOCIAL: 0.12, VISIT: 0.12}
+CELL_SECONDS = {NAVIGATION: 0.02, GO_TO_HUMAN: 0.02, SOCIAL: 0.1, VISIT: 0.04}
 """A cell of a few steps: its tables are made, its files written."""
 
 LOG_BYTES_A_STEP = {NAVIGATION: 38.0, GO_TO_HUMAN: 38.0, SOCIAL: 43.0, VISIT: 42.0}

@@ -34,6 +34,7 @@ PANEL, TITLE, GAP = 1.72, 0.3, 0.06
 KEY_GAP, KEY_LINE, KEY_ENTRY, KEY_LETTER = 0.06, 0.14, 0.35, 0.052
 """In inches: what is above the lines that explain colours, the height of one, an entry but its letters, a letter."""
 FONT_SIZE = 6.5
+IN_ONE_CELL = "both in one cell"
 PIXELS_PER_INCH = 300
 FORMATS: dict[str, dict[str, Any]] = {".png": {}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
 """With what each format needs to give the same bytes for the same trial."""
@@ -86,7 +87,9 @@ def draw_strip(trial: Trial, steps: Sequence[int]) -> "Figure":
         axes.spines[:].set(linewidth=0.4, color="0.5")
         kinds = ", ".join(kind for at, kind in moments(trial.steps) if at == step)
         axes.text(0.97, 0.03, kinds, transform=axes.transAxes, ha="right", weight="bold", zorder=7)
-        title, below = _title(scene, step)
+        if scene.share_a_cell(step):
+            axes.text(0.97, 0.12, IN_ONE_CELL, transform=axes.transAxes, ha="right", zorder=7)
+        title, below = _title(trial, step)
         axes.set_title(f"{title}\n{below}", fontsize=FONT_SIZE, loc="left", pad=2.5, linespacing=1.15)
     if missing:
         figure.text(0.5, (KEY_GAP / 2 + KEY_LINE / 2) / height, f"Not shown: {missing}.", ha="center", va="center")
@@ -118,14 +121,12 @@ def _key(trial: Trial) -> list[Any]:
     return handles
 
 
-def _title(scene: Scene, step: int) -> tuple[str, str]:
-    """Step and action; desired direction, level, and that the two stand in one cell."""
-    trial, words = scene.trial, []
+def _title(trial: Trial, step: int) -> tuple[str, str]:
+    """Step and action; desired direction and level."""
+    words = []
     if trial.has_engagement:
         words.append(f"towards {direction_name(int(trial.steps['desired_direction'][step]))}")
     if trial.has_human:
         words.append(LEVEL_NAMES[int(trial.steps["interaction_level"][step])])
-    if scene.share_a_cell(step):
-        words.append("in one cell")
     action = action_name(trial.steps, step).split(": ")[-1].replace(", then is blocked", "") if step else "the start"
     return f"{step}: {action}", ", ".join(words)
