@@ -28,7 +28,7 @@ CELL_BYTES = 3_000.0
 
 MODEL_BYTES = {NAVIGATION: 360_000.0, GO_TO_HUMAN: 75_000.0, SOCIAL: 650_000.0, VISIT: 700_000.0}
 """A `model.npz` with counts when hardly anything new is met: after `MODEL_STEPS`; before, it grows as below."""
-MODEL_STEPS, MODEL_GROWTH = 200_000, 0.65
+MODEL_STEPS, MODEL_GROWTH = 200_000, 0.7
 WITHOUT_COUNTS, NOT_LEARNED = 0.25, {"random": 0.0, "scripted": 0.0}
 """What of it an agent has that keeps no counts, and those that learn nothing."""
 
@@ -88,7 +88,9 @@ def _log_bytes(cell: Cell) -> float:
 
 
 def _model_bytes(cell: Cell) -> float:
-    """Of `model.npz`, which has what was met; in a visit that of the social module."""
+    """Of `model.npz`, which has what was met; in a visit that of the social module, and its training is in it."""
+    start = cell.settings.starts.get(SOCIAL)
+    steps = cell.steps + (0 if start is None else cell.config.experiments[start.experiment].n_steps)
     agent = cell.config.agents[cell.agent]
     share = NOT_LEARNED.get(agent.kind, 1.0 if agent.plans else WITHOUT_COUNTS)
-    return share * MODEL_BYTES[cell.task] * float(min(1.0, (cell.steps / MODEL_STEPS) ** MODEL_GROWTH))
+    return share * MODEL_BYTES[cell.task] * float(min(1.0, (steps / MODEL_STEPS) ** MODEL_GROWTH))
