@@ -24,11 +24,11 @@ test-lowest:
 	$(LOWEST)/bin/python -m pip install --quiet --constraint $(LOWEST)/lowest.txt --editable '.[dev]'
 	$(LOWEST)/bin/python -m pytest -n 2
 
-# What goes wrong around a run, done for real: half an hour at most; FAULTS='killed --seed 7' chooses.
+# What goes wrong around a run, done for real; FAULTS='killed --seed 7' chooses.
 faults: $(READY)
 	$(BIN)/python -m tests.faults $(FAULTS)
 
-# A minute's slice of it.
+# A slice of it, for CI.
 faults-fast: $(READY)
 	$(BIN)/python -m tests.faults --fast
 

@@ -91,7 +91,7 @@ def main() -> int:
     parser.add_argument("classes", nargs="*", help="these classes alone", metavar="CLASS")
     parser.add_argument("--seed", type=int, default=0, help="of the moments, bytes and choices (0)")
     parser.add_argument("--index", type=int, nargs="+", metavar="N", help="these tries of a class alone, from 0")
-    parser.add_argument("--fast", action="store_true", help="a minute's slice of it, for CI")
+    parser.add_argument("--fast", action="store_true", help="a slice of it, for CI")
     parser.add_argument("--jobs", type=int, default=2, help="tries at a time (2)")
     parser.add_argument("--list", action="store_true", help="tell the classes")
     parser.add_argument("--page", action="store_true", help="write the table into docs/reliability.md")

@@ -146,7 +146,7 @@ def include(this: Try) -> None:
     bounded(this, done.words, name, done.seconds, done.memory)
 
 
-@fault("config-file", "the config itself is a pipe, a device, a folder, missing, unreadable", 5, 1)
+@fault("config-file", "the config itself is a pipe, a device, a folder, missing, unreadable", 5, 0)
 def config_file(this: Try) -> None:
     file = this.folder / "config.yaml"
     kind = this.index % 5
@@ -201,7 +201,7 @@ OVERRIDES = (
 )
 
 
-@fault("overrides", "key=value arguments that are none, unknown, too large, deep, or hold escapes", len(OVERRIDES), 1)
+@fault("overrides", "key=value arguments that are none, unknown, too large, deep, or hold escapes", len(OVERRIDES), 0)
 def overrides(this: Try) -> None:
     done = this.visitlab(
         "run", this.bench.config, OVERRIDES[this.index % len(OVERRIDES)], "--out", this.folder / "runs", "--dry-run"

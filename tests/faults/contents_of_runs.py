@@ -59,7 +59,7 @@ def _flip(this: Try, data: bytes) -> bytes:
 
 
 @fault(
-    "damaged", "a file that cell.json hashes, or cell.json, is flipped, cut, emptied, deleted: verify names it", 24, 2
+    "damaged", "a file that cell.json hashes, or cell.json, is flipped, cut, emptied, deleted: verify names it", 24, 1
 )
 def damaged(this: Try) -> None:
     out = this.copy_of_whole()
@@ -78,7 +78,7 @@ def damaged(this: Try) -> None:
 
 
 @fault(
-    "damaged-config", "the run's own config or versions.json is cut, flipped, emptied, deleted: told and mended", 8, 1
+    "damaged-config", "the run's own config or versions.json is cut, flipped, emptied, deleted: told and mended", 8, 0
 )
 def damaged_config(this: Try) -> None:
     out = this.copy_of_whole()
@@ -141,7 +141,7 @@ PLACES = (
     "links",
     "a link that leads out of the run, in place of a cell, a folder or a file: nothing outside is touched",
     18,
-    2,
+    1,
 )
 def links(this: Try) -> None:
     out = this.copy_of_whole()
@@ -182,7 +182,7 @@ def links(this: Try) -> None:
             return
 
 
-@fault("pipes", "a pipe or a device in place of a file of a run: no command waits for it", 12, 1)
+@fault("pipes", "a pipe or a device in place of a file of a run: no command waits for it", 12, 0)
 def pipes(this: Try) -> None:
     out = this.copy_of_whole()
     run = the_run(out)

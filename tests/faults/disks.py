@@ -53,7 +53,7 @@ def disk_full(this: Try) -> None:
         this.resumed(out, kept)
 
 
-@fault("no-inodes", "the file system has no inodes left after a random number of files", 8, 1, ["mount"])
+@fault("no-inodes", "the file system has no inodes left after a random number of files", 8, 0, ["mount"])
 def no_inodes(this: Try) -> None:
     with mounted(this.folder / "small", f"size=200m,nr_inodes={this.random.randrange(3, 60)}") as small:
         out = small / "runs"
@@ -65,7 +65,7 @@ def no_inodes(this: Try) -> None:
         this.resumed(out, kept)
 
 
-@fault("file-too-large", "files may have so many bytes only (a quota, RLIMIT_FSIZE)", 6, 1, ["linux"])
+@fault("file-too-large", "files may have so many bytes only (a quota, RLIMIT_FSIZE)", 6, 0, ["linux"])
 def file_too_large(this: Try) -> None:
     out = this.folder / "runs"
     size = this.random.randrange(100, 800_000)
@@ -75,7 +75,7 @@ def file_too_large(this: Try) -> None:
     this.resumed(out)
 
 
-@fault("read-only", "the runs folder can't be written: begun, finished, or looked at", 8, 1, ["mount"])
+@fault("read-only", "the runs folder can't be written: begun, finished, or looked at", 8, 0, ["mount"])
 def read_only(this: Try) -> None:
     with mounted(this.folder / "small", "size=200m") as small:
         if this.index == 0:
@@ -99,7 +99,7 @@ def read_only(this: Try) -> None:
         this.resumed(small / "runs")
 
 
-@fault("open-files", "a process may have so many files open only (RLIMIT_NOFILE)", 8, 1, ["linux"])
+@fault("open-files", "a process may have so many files open only (RLIMIT_NOFILE)", 8, 0, ["linux"])
 def open_files(this: Try) -> None:
     out = this.folder / "runs"
     most = this.random.randrange(8, 40)
@@ -121,7 +121,7 @@ def locks(this: Try) -> None:
         this.whole(out)
 
 
-@fault("clock", "the clock jumps ahead and back, by an hour or ten years, twice a second", 6, 1, ["compiler"])
+@fault("clock", "the clock jumps ahead and back, by an hour or ten years, twice a second", 6, 0, ["compiler"])
 def clock(this: Try) -> None:
     out = this.folder / "runs"
     env = {"LD_PRELOAD": this.bench.surroundings, "FAULTS_CLOCK": this.random.choice(["3600", "315360000"])}
@@ -157,7 +157,7 @@ CACHE_DAMAGE = {
 }
 
 
-@fault("cache-damaged", "files of the compiled code are cut, emptied or noise", 6, 1)
+@fault("cache-damaged", "files of the compiled code are cut, emptied or noise", 6, 0)
 def cache_damaged(this: Try) -> None:
     cache, out = this.folder / "cache", this.folder / "runs"
     shutil.copytree(cache_folder(this), cache / cache_folder(this).name)
@@ -212,7 +212,7 @@ def cache_foreign(this: Try) -> None:
     this.wrong += ["a pickle of another's cache was run"] * marker.exists()
 
 
-@fault("unreadable", "a file of a run can't be read (a broken disk gives EIO; here a folder lies in its place)", 6, 1)
+@fault("unreadable", "a file of a run can't be read (a broken disk gives EIO; here a folder lies in its place)", 6, 0)
 def unreadable(this: Try) -> None:
     out = this.copy_of_whole()
     run = the_run(out)

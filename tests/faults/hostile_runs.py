@@ -41,7 +41,7 @@ def hostile_json(this: Try, document: object) -> object:
     "hostile-json",
     "cell.json, timing.json, versions.json of a colleague: any value of any kind, deep, long, repeated",
     12,
-    1,
+    0,
 )
 def hostile_jsons(this: Try) -> None:
     run = the_run(this.copy_of_whole())
@@ -84,7 +84,7 @@ def hostile_array(this: Try, values: np.ndarray) -> np.ndarray:
     "hostile-models",
     "model.npz or trials.parquet of a colleague, with right hashes: impossible values, shapes, kinds",
     16,
-    2,
+    1,
 )
 def hostile_models(this: Try) -> None:
     out = this.copy_of_whole()
@@ -129,7 +129,7 @@ def hostile_table(this: Try, file: Path) -> None:
     "markup",
     "escape sequences, <script> and formulas in names and files of a run reach no terminal, page or table",
     4,
-    1,
+    0,
 )
 def markup(this: Try) -> None:
     out = this.copy_of_whole()

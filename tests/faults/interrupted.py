@@ -37,7 +37,7 @@ def no_orphans(this: Try, session: int) -> None:
         time.sleep(0.1)
 
 
-@fault("killed", "kill -9 of the main process at a random moment", 50, 3, ["linux"])
+@fault("killed", "kill -9 of the main process at a random moment", 50, 2, ["linux"])
 def killed(this: Try) -> None:
     out = this.folder / "runs"
     program = started(this, out, this.random.choice([1, 2]))
@@ -95,7 +95,7 @@ def killed_all(this: Try) -> None:
     "signalled",
     "Ctrl-C, SIGTERM or SIGHUP at a random moment, to the program or to all its processes",
     30,
-    2,
+    1,
     ["linux"],
 )
 def signalled(this: Try) -> None:
@@ -110,7 +110,7 @@ def signalled(this: Try) -> None:
     this.resumed(out)
 
 
-@fault("signalled-twice", "Ctrl-C twice: it ends at once", 10, 1, ["linux"])
+@fault("signalled-twice", "Ctrl-C twice: it ends at once", 10, 0, ["linux"])
 def signalled_twice(this: Try) -> None:
     out = this.folder / "runs"
     program = started(this, out, this.random.choice([1, 2]))
@@ -126,7 +126,7 @@ def signalled_twice(this: Try) -> None:
     this.resumed(out)
 
 
-@fault("stopped", "SIGSTOP of everything for a second, then SIGCONT (a laptop that sleeps)", 6, 1, ["linux"])
+@fault("stopped", "SIGSTOP of everything for a second, then SIGCONT (a laptop that sleeps)", 6, 0, ["linux"])
 def stopped(this: Try) -> None:
     out = this.folder / "runs"
     program = started(this, out, 2)
@@ -274,7 +274,7 @@ def together_killed(this: Try) -> None:
     this.resumed(out)
 
 
-@fault("removed-meanwhile", "`runs rm` and `runs prune` at random moments of a run that is going on", 8, 1)
+@fault("removed-meanwhile", "`runs rm` and `runs prune` at random moments of a run that is going on", 8, 0)
 def removed_meanwhile(this: Try) -> None:
     out = this.folder / "runs"
     program = started(this, out, 2)

@@ -225,7 +225,7 @@ ENDS: dict[str, tuple[Callable[[bytes], bytes], str]] = {
 }
 
 
-@fault("ends-of-logs", "empty, five bytes, two logs joined, 300 MB of zeros at the end: true words, soon", len(ENDS), 1)
+@fault("ends-of-logs", "empty, five bytes, two logs joined, 300 MB of zeros at the end: true words, soon", len(ENDS), 0)
 def ends_of_logs(this: Try) -> None:
     name = list(ENDS)[this.index % len(ENDS)]
     change, words = ENDS[name]
@@ -293,7 +293,7 @@ def absent_trial(this: Try) -> None:
     file.unlink()
 
 
-@fault("impossible-values", "a log with a row, a room, an action that there is not: refused in a line", 8, 1)
+@fault("impossible-values", "a log with a row, a room, an action that there is not: refused in a line", 8, 0)
 def impossible_values(this: Try) -> None:
     original = log(this, "visit/fast").read_bytes()
     fields = ["robot_row", "robot_col", "human_row", "robot_heading", "action", "goal_room", "distance", "angle"]
