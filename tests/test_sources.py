@@ -8,7 +8,16 @@ import pytest
 
 from visitlab_cli import sources
 
-DECIDES_NOTHING = {"__init__.py", "errors.py", "sources.py", "stopping.py", "whole_file.py"}
+DECIDES_NOTHING = {
+    "__init__.py",
+    "errors.py",
+    "kernel_cache.py",
+    "sources.py",
+    "stopping.py",
+    "surroundings.py",
+    "terminal.py",
+    "whole_file.py",
+}
 WAY = "visitlab_cli.config.loading", "visitlab_cli.execution.warm_up", "visitlab_cli.execution.cell_runner"
 
 

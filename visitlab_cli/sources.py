@@ -15,6 +15,7 @@ DECIDING = (
     "compiled.py",
     "config",
     "execution",
+    "humans",
     "random_numbers.py",
     "recording",
     "settings.py",

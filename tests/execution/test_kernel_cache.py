@@ -19,7 +19,7 @@ NAMES_NUMBA = {"versions.py", "doctor.py", "stopping.py", "surroundings.py"}  # 
 PLAYER = Path(__file__).parents[1] / "world" / "package_log.py"
 
 EDITS = [
-    ("world/human.py", "happens(random, human.p_M)", "False"),
+    ("humans/six_parameters.py", "happens(random, human.p_M)", "False"),
     ("random_numbers.py", "random_unit(state) < probability", "random_unit(state) <= 0.5 * probability"),
 ]
 NAVIGATION = "experiments={navigation: {task: navigation, agents: [mf], steps: 1200}}"
