@@ -14,7 +14,6 @@ DECIDES_NOTHING = {
     "kernel_cache.py",
     "sources.py",
     "stopping.py",
-    "surroundings.py",
     "terminal.py",
     "whole_file.py",
 }
