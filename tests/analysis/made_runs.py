@@ -14,11 +14,16 @@ from visitlab_cli.storage.run_folder import open_run
 CONFIG = """
 name: {name}
 seeds: {seeds}
-humans: {{human_1: {{p_S: [1, 0, 0]}}, human_2: {{p_S: [0, 0.5, 0.5]}}}}
-agents: {{rmax: {{kind: rmax}}, mb: {{kind: model_based}}, chance: {{kind: random}}}}
+humans:
+  human_1: {{p_S: [1, 0, 0], p_H: 0, p_M: 0.1, p_O: 0.1, p_A: 0, p_P: 0}}
+  human_2: {{p_S: [0, 0.5, 0.5], p_H: 0.05, p_M: 0.05, p_O: 0.15, p_A: 0.05, p_P: 0}}
+agents:
+  rmax: {{kind: rmax, gamma: 0.9, r_max: 1, plan_every: 1000}}
+  mb: {{kind: model_based, gamma: 0.9, epsilon: 0.05, plan_every: 1000, unvisited: uniform}}
+  chance: {{kind: random}}
 experiments:
   navigation: {{task: navigation, agents: [rmax, chance], steps: {navigation_steps}}}
-  go_to_human: {{task: go_to_human, agents: [mb], steps: 20}}
+  go_to_human: {{task: go_to_human, agents: [mb], steps: 200000}}
   social_humans: {{task: social, agents: [mb], humans: [human_2], steps: {training}}}
   visit:
     task: visit
@@ -31,7 +36,7 @@ DEFAULTS = {
     "name": "made",
     "seeds": 10,
     "navigation_steps": 500_000,
-    "training": 20,
+    "training": 500_000,
     "models": "paired",
     "planner": "carried",
 }

@@ -5,7 +5,7 @@ import pytest
 
 from tests.analysis.made_runs import make_run
 from visitlab_cli.analysis.comparison import LAST, WHOLE, compare
-from visitlab_cli.analysis.counterparts import our_curve
+from visitlab_cli.analysis.counterparts import curve_of_group
 from visitlab_cli.analysis.exact_navigation import navigation_optimum, navigation_random
 from visitlab_cli.analysis.published_curves import published_curves
 from visitlab_cli.analysis.variants import open_variant, variants_beside
@@ -57,7 +57,7 @@ def test_visits_of_the_same_model_are_one_seed(tmp_path):
     )
     for models, units in (("crossed", 3), ("first", 1), ("paired", 3)):
         run = make_run(tmp_path / models, {VISIT: 0.0}, models=models, seeds=3)
-        ours = our_curve(run, plan(read_config(run)), curve)
+        ours = curve_of_group(run, plan(read_config(run)), VISIT, curve)
         assert ours.curve.samples.shape == (units, 50)
 
 
@@ -92,10 +92,10 @@ def test_a_variant_that_does_not_agree_explains_nothing(tmp_path):
 
 def test_the_simplest_of_several_causes_is_named(tmp_path):
     run = make_run(tmp_path, {VISIT: 2.0})
-    make_run(tmp_path, {VISIT: 0.0}, name="both", planner="restart", training=40)
-    longer = make_run(tmp_path, {VISIT: 0.0}, name="longer", training=40)
+    make_run(tmp_path, {VISIT: 0.0}, name="both", planner="restart", training=2_000_000)
+    longer = make_run(tmp_path, {VISIT: 0.0}, name="longer", training=2_000_000)
     found, _ = compared(run, variants_beside(run))
-    assert found[VISIT].cause == f"{longer.name}: social.training.steps: 40 (not 20)"
+    assert found[VISIT].cause == f"{longer.name}: social.training.steps: 2000000 (not 500000)"
     assert len(found[VISIT].tried) == 2
 
 
@@ -108,7 +108,7 @@ def test_a_run_that_decides_nothing_else_is_no_variant(tmp_path):
 
 def test_a_longer_training_is_no_variant_of_its_own_curve(tmp_path):
     run = make_run(tmp_path, {NAVIGATION: 2.0})
-    longer = make_run(tmp_path / "elsewhere", {NAVIGATION: 0.0}, navigation_steps=500_000, training=40)
+    longer = make_run(tmp_path / "elsewhere", {NAVIGATION: 0.0}, navigation_steps=500_000, training=2_000_000)
     found, _ = compared(run, [open_variant(longer)])
     assert found[NAVIGATION].tried == []
 

@@ -6,10 +6,11 @@ import shutil
 import numpy as np
 import pytest
 
-from tests.paper_runs import SEEDS, UNTIL
+from tests.paper_runs import CONFIGS, SEEDS, UNTIL
+from tests.program import the_run, visitlab
 from visitlab_cli.analysis.exact_navigation import navigation_optimum, navigation_random
 from visitlab_cli.figures.designs import FIG_6, FIG_8
-from visitlab_cli.figures.learning_figure import draw_fig6, draw_fig8
+from visitlab_cli.figures.learning_figure import draw_fig6, draw_fig8, draw_learning
 from visitlab_cli.figures.source import open_source
 from visitlab_cli.storage.arrays import read_trials
 
@@ -20,6 +21,13 @@ T_OF_ONE = 12.706205  # Student's t, 1 degree of freedom, 97.5%
 def drawings(paper_run):
     source = open_source(paper_run)
     return {"fig6": draw_fig6(source), "fig8": draw_fig8(source)}
+
+
+@pytest.fixture(scope="module")
+def beside(paper_run):
+    """The same with the published curves beside those that are not as published, too."""
+    source = open_source(paper_run)
+    return {"fig6": draw_learning(source, FIG_6, even_so=True), "fig8": draw_learning(source, FIG_8, even_so=True)}
 
 
 def rewards(run, group, cells="seed-*"):
@@ -72,13 +80,13 @@ def test_our_curves_are_the_runs(drawings, paper_run, figure, design):
 
 
 @pytest.mark.parametrize(("figure", "design"), PANELS, ids=[design.title for _, design in PANELS])
-def test_the_published_curves_are_the_published(drawings, figure, design):
+def test_the_published_curves_are_the_published(beside, figure, design):
     from visitlab_cli import analysis
 
     with open(f"{analysis.__path__[0]}/published/{design.published}.csv") as file:
         rows = list(csv.DictReader(file))
     assert {row["condition"] for row in rows} == {condition.published for condition in design.conditions}
-    axes = panel(drawings[figure], design.title)
+    axes = panel(beside[figure], design.title)
     for condition, group in zip(design.conditions, design.groups(), strict=True):
         x, y = line(axes, f"published/{group}")
         mine = [row for row in rows if row["condition"] == condition.published]
@@ -87,6 +95,43 @@ def test_the_published_curves_are_the_published(drawings, figure, design):
         middle, half = band(axes, f"published-band/{group}")
         assert middle == pytest.approx(y)
         assert half == pytest.approx([float(row["std"]) for row in mine])
+
+
+def published_in(axes):
+    names = [each.get_gid() or "" for each in axes.lines]
+    return [name.removeprefix("published/") for name in names if name.startswith("published/")]
+
+
+def test_what_is_not_as_published_has_no_published_curve_behind_it(drawings):
+    watching = panel(drawings["fig6"], "Social, Human 1, after watching")
+    assert published_in(watching) == ["social/mb/human_1", "social/mf/human_1"]
+    told = "bootstrapped: mf_after_mb.until 600, published 500000"
+    assert watching.get_xlabel().replace("\n", " ").endswith(f"not as published: {told}")
+    assert f"Social, Human 1, after watching: not as published: {told}" in drawings["fig6"].notes
+    visit = panel(drawings["fig8"], "Visit the lab, trained with Human 2")  # its modules are trained less
+    assert published_in(visit) == []
+    assert "navigation.steps 2000, published 500000" in visit.get_xlabel().replace("\n", " ")
+
+
+def test_a_human_with_other_values_has_no_published_curve_and_one_by_another_name_has(tmp_path):
+    """A config as a user may have it: `human_2` edited, the published one kept as `shy`."""
+    text = """
+    name: mine
+    include: [{configs}/humans/paper.yaml, {configs}/agents/paper.yaml]
+    humans: {{shy: {{like: human_2}}}}
+    experiments: {{social_humans: {{task: social, agents: [mb], humans: [human_1, shy, human_3], steps: 2000}}}}
+    """
+    (tmp_path / "mine.yaml").write_text(text.format(configs=CONFIGS))
+    done = visitlab(
+        "run", tmp_path / "mine.yaml", "humans.human_3.p_A=0.15", "--out", tmp_path / "runs", "--workers", 1, "--quiet"
+    )
+    assert done.returncode == 0, done.stderr
+    drawing = draw_fig8(open_source(the_run(tmp_path / "runs")))
+    axes = panel(drawing, "Social, three humans")
+    assert published_in(axes) == ["social_humans/mb/human_1", "social_humans/mb/shy"]
+    names = [text.get_text() for text in axes.get_legend().get_texts()]
+    assert names == ["Human 1", "Human 2 (shy)", "Human 3"]
+    assert "Social, three humans: not as published: Human 3: human_3.p_A 0.15, published 0.1" in drawing.notes
 
 
 def test_reference_lines_are_exact_or_measured(drawings, paper_run):
@@ -117,7 +162,7 @@ def test_axes_say_units_and_n(drawings):
     assert navigation.get_xlabel() == "step of training (thousands)"
     visit = panel(drawings["fig8"], "Visit the lab, trained with Human 2")
     assert visit.get_ylabel() == "goal rooms in a trial of 100 steps\n(mean, n = 2 seeds)"
-    assert visit.get_xlabel() == "trial"
+    assert visit.get_xlabel().splitlines()[0] == "trial"
 
 
 def test_every_band_is_named(drawings):
@@ -148,7 +193,7 @@ def test_a_part_of_the_panels_and_cells(paper_run, tmp_path):
     shutil.rmtree(run / "go_to_human")
     shutil.rmtree(run / "navigation" / "rmax" / "seed-0001")
     drawing = draw_fig6(open_source(run))
-    assert drawing.notes == [
+    assert [note for note in drawing.notes if "not as published" not in note] == [
         "without go_to_human/rmax, go_to_human/mb, go_to_human/mf: not in this run",
         "navigation/rmax has 1 of 2 cells",
     ]

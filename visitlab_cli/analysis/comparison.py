@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from visitlab_cli.analysis.counterparts import Absent, OurCurve, our_curve, our_curves
+from visitlab_cli.analysis.counterparts import COUNTERPARTS, Absent, OurCurve, curve_of_group, our_curves
 from visitlab_cli.analysis.exact_values import Possible, possible
 from visitlab_cli.analysis.judge import MARGIN, PUBLISHED_SEEDS, Judgement, Verdict, judge, worst
 from visitlab_cli.analysis.published_curves import PublishedCurve
@@ -165,7 +165,8 @@ def judge_parts(
 
 
 def _try(variant: Variant, ours: OurCurve, published: PublishedCurve, margin: float) -> Tried | None:
-    theirs = our_curve(variant.run, variant.cells, published)
+    group = COUNTERPARTS[published.figure, published.condition]
+    theirs = curve_of_group(variant.run, variant.cells, group, published)
     if isinstance(theirs, Absent):
         return None
     changed = changes(ours.cell, theirs.cell)

@@ -17,6 +17,7 @@ from visitlab_cli.errors import RunError
 from visitlab_cli.execution.cells import Cell, plan
 from visitlab_cli.settings import Settings, as_yaml, key_of
 from visitlab_cli.storage.run_folder import all_runs, read_config
+from visitlab_cli.world.tasks import NAVIGATION
 
 Flat = dict[str, Any]
 NOT_DECIDING = {"agents", "humans", "modules", "trials", "steps"}
@@ -70,10 +71,10 @@ def deciding(cell: Cell) -> Flat:
     config, settings = cell.config, cell.settings
     if not isinstance(settings, Visit):
         names = Module(cell.experiment, cell.agent, cell.human)
-        return _training(config, names, NOT_DECIDING) | _flat("distances", list(config.interaction.distances))
+        return _training(config, names, NOT_DECIDING) | _distances(config, cell.task)
     found = _settings("visit", settings, NOT_DECIDING)
     found |= _settings("human", config.humans[cell.human])
-    found |= _flat("distances", list(config.interaction.distances))
+    found |= _distances(config, cell.task)
     for task, name in settings.modules.model_dump().items():
         training = _training(config, module(name), NOT_DECIDING - {"steps"})
         found |= {f"{task}.name": name} | {f"{task}.{path}": value for path, value in training.items()}
@@ -90,11 +91,18 @@ def _training(config: Config, names: Module, without: Set[str]) -> Flat:
         found |= _settings(f"agent.{role}", config.agents[getattr(agent, role)])
     if isinstance(settings, SocialTraining) and names.human:
         found |= _settings("human", config.humans[names.human])
+    if isinstance(settings, SocialTraining) and settings.start_from is not None:
+        start = _training(config, module(settings.start_from), NOT_DECIDING - {"steps"})
+        found |= {f"start.{path}": value for path, value in start.items()}
     return found
 
 
 def _settings(path: str, settings: Settings, without: Set[str] = frozenset()) -> Flat:
     return _flat(path, {key: value for key, value in as_yaml(settings).items() if key not in without})
+
+
+def _distances(config: Config, task: str) -> Flat:
+    return {} if task == NAVIGATION else _flat("distances", list(config.interaction.distances))
 
 
 def _flat(path: str, value: Any) -> Flat:

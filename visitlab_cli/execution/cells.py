@@ -56,6 +56,12 @@ class Cell:
         return self.path.rsplit("/", 2 if self.settings.crossed else 1)[0]
 
     @property
+    def condition(self) -> str:
+        """Experiment, agent (a visit's is its module's) and human: the group's path without the point of a grid."""
+        agent = "" if isinstance(self.settings, Visit) else self.agent
+        return self.evaluation.folder + "/".join(filter(None, (self.experiment, agent, self.human)))
+
+    @property
     def trials(self) -> int:
         """Trials of the whole cell."""
         return self.settings.n_trials

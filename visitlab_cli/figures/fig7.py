@@ -70,23 +70,22 @@ def ratios(tables: Floats, optimal: Floats) -> Ratios:
 def draw_fig7(source: Source) -> Drawing:
     """Maps of one run for one goal room; below, learned over optimal values by distance, over all runs and rooms."""
     names = [f"{EXPERIMENT}/{agent}" for agent in LEARNERS]
-    missing = [name for name in names if name not in source.groups]
-    notes = [f"without {', '.join(missing)}: not in this run"] if missing else []
+    notes = source.lacks(names)
     groups = [source.groups[name] for name in names if name in source.groups]
     if not groups or groups[0].cells[0].task != NAVIGATION:
         return Drawing(None, notes)
     if shortfall := source.shortfall(names):
         notes.append(shortfall)
-    return Drawing(_draw(source, groups), notes)
+    return Drawing(_draw(groups), notes)
 
 
-def _draw(source: Source, groups: Sequence[Group]) -> "Figure":
+def _draw(groups: Sequence[Group]) -> "Figure":
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(PAGE, HEIGHT), layout="constrained")
     upper, lower = figure.subplots(2, len(groups), squeeze=False, height_ratios=HEIGHT_RATIOS)
     for maps, bars, group in zip(upper, lower, groups, strict=True):
-        optimal, tables = navigation_optimal_q(gamma_of(source, group)), group.tables()
+        optimal, tables = navigation_optimal_q(gamma_of(group)), group.tables()
         image = _draw_map(maps, tables[0], float(optimal.max()))
         maps.set_title(f"Model-free, {LEARNERS[group.cells[0].agent]}", loc="left", fontsize=FONT_SIZE)
         _draw_ratios(bars, ratios(tables, optimal), group.name)
@@ -101,11 +100,12 @@ def _draw(source: Source, groups: Sequence[Group]) -> "Figure":
     return figure
 
 
-def gamma_of(source: Source, group: Group) -> float:
+def gamma_of(group: Group) -> float:
     """The discount factor that a group's table was learned with."""
-    parameters = source.config.agents[group.cells[0].agent]
+    cell = group.cells[0]
+    parameters = cell.config.agents[cell.agent]
     if isinstance(parameters, ObserverParameters):
-        parameters = source.config.agents[parameters.learner]
+        parameters = cell.config.agents[parameters.learner]
     return float(getattr(parameters, "gamma", GAMMA))
 
 

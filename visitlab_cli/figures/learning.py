@@ -1,10 +1,13 @@
 """A panel of learning curves with the data of a run."""
 
+from collections.abc import Sequence
+from typing import NamedTuple
+
 from visitlab_cli.agents.observer import ObserverParameters
 from visitlab_cli.analysis.exact_values import possible
 from visitlab_cli.analysis.published_curves import PublishedCurve, published_curves
-from visitlab_cli.config.experiment import Experiment
 from visitlab_cli.config.experiments import Visit
+from visitlab_cli.execution.cells import Cell
 from visitlab_cli.figures.designs import Condition, Design
 from visitlab_cli.figures.panel import CHANCE, OPTIMUM, Line, Panel, Reference
 from visitlab_cli.figures.source import Group, Source
@@ -17,19 +20,55 @@ MILLION, THOUSAND = 1_000_000, 1_000
 IN_EACH_LINE = "{}"
 
 
-def panel_of(source: Source, design: Design) -> Panel | None:
-    """The panel with the run's data; None where the run holds none of its curves."""
-    found = [(condition, source.groups[name]) for condition, name in design.named() if name in source.groups]
-    settings = source.config.experiments.get(design.experiment)
-    if settings is None or not found:
+class Shown(NamedTuple):
+    """A condition, the run's group that is shown for it, and why the published curve is no measure of that."""
+
+    condition: Condition
+    group: Group
+    reason: str
+
+
+def shown_in(source: Source, design: Design) -> list[Shown]:
+    """What a run has for the conditions of a design; of a grid of which no point is as published, nothing."""
+    shown = []
+    for condition in design.conditions:
+        found = source.counterparts.get((design.published, condition.published))
+        if found is not None and found.points == 1:
+            shown.append(Shown(condition, source.groups[found.group], found.reason))
+    return shown
+
+
+def unlike_in(source: Source, design: Design) -> str:
+    """'not as published: Human 2: human_2.p_A 0.15, published 0.05'; empty where all of a design is as published."""
+    of_reason: dict[str, list[str]] = {}
+    for condition in design.conditions:
+        found = source.counterparts.get((design.published, condition.published))
+        if found is not None and found.unlike:
+            of_reason.setdefault(found.reason, []).append(condition.name)
+    told = [f"{', '.join(names)}: {reason}" for reason, names in of_reason.items()]
+    return f"not as published: {'; '.join(told)}" if told else ""
+
+
+def panel_of(source: Source, design: Design, *, even_so: bool = False) -> Panel | None:
+    """The panel with the run's data; None where the run holds none of its curves.
+
+    Args:
+        source: the run.
+        design: what the panel compares.
+        even_so: whether the published curve is drawn beside one that is not as published, too.
+    """
+    shown = shown_in(source, design)
+    if not shown:
         return None
+    found = [(each.condition, each.group) for each in shown]
+    settings = found[0][1].cells[0].settings
     visit = isinstance(settings, Visit)
     end = settings.trials if isinstance(settings, Visit) else settings.steps
     x_unit = 1 if visit else MILLION if end >= MILLION else THOUSAND
     x_label = {1: "trial", THOUSAND: "step of training (thousands)", MILLION: "step of training (millions)"}[x_unit]
     measure = "goal rooms in a trial" if visit else "reward of a trial"
     published = {curve.condition: curve for curve in published_curves() if curve.figure == design.published}
-    marks = [trial * settings.trial_steps for _, group in found if (trial := watched_trials(source, group))]
+    marks = [trial * settings.trial_steps for _, group in found if (trial := watched_trials(group))]
     spreads = [
         f"{condition.name}: {both.models:.2f}, {both.visits:.2f}"
         for condition, group in found
@@ -40,46 +79,54 @@ def panel_of(source: Source, design: Design) -> Panel | None:
         x_label=x_label,
         x_unit=x_unit,
         y_label=f"{measure} of {settings.trial_steps} steps",
-        lines=[_line(source, condition, group, published[condition.published]) for condition, group in found],
-        references=_references(source, design, settings),
+        lines=[_line(each, published[each.condition.published], even_so=even_so) for each in shown],
+        references=_references(source, design, shown),
         end=float(end),
         mark=float(marks[0]) if marks else None,
+        unlike=unlike_in(source, design),
         note="\n".join([SPREADS, *spreads]) if spreads else "",
     )
 
 
-def watched_trials(source: Source, group: Group) -> int:
+def watched_trials(group: Group) -> int:
     """How many trials an observer only watched: it is seen acting from then on. 0 for other agents."""
     cell = group.cells[0]
-    parameters = source.config.agents.get(cell.agent)
+    parameters = cell.config.agents.get(cell.agent)
     if not isinstance(parameters, ObserverParameters) or isinstance(cell.settings, Visit):
         return 0
     return parameters.until // cell.settings.trial_steps if parameters.until < cell.steps else 0
 
 
-def _line(source: Source, condition: Condition, group: Group, published: PublishedCurve) -> Line:
+def _line(shown: Shown, published: PublishedCurve, *, even_so: bool) -> Line:
+    condition, group, reason = shown
     cell = group.cells[0]
     batches = VISIT_BATCHES if isinstance(cell.settings, Visit) else BATCHES
-    edges = equal_edges(cell.trials, batches, watched_trials(source, group))
+    edges = equal_edges(cell.trials, batches, watched_trials(group))
     ours = curve_of(group.run, group.cells, edges)
-    return Line(group.name, condition.name, condition.colour, condition.marker, ours, published)
+    beside = published if even_so or not reason else None
+    return Line(group.name, _name(condition, cell), condition.colour, condition.marker, ours, beside)
 
 
-def _references(source: Source, design: Design, settings: Experiment) -> list[Reference]:
+def _name(condition: Condition, cell: Cell) -> str:
+    """What a curve is called: as published, and as the run has it where that is another name."""
+    own = [name for name in (cell.agent, cell.human) if name and name not in condition.group.split("/")]
+    unusual = own if not isinstance(cell.settings, Visit) else [name for name in own if name == cell.human]
+    return f"{condition.name} ({', '.join(unusual)})" if unusual else condition.name
+
+
+def _references(source: Source, design: Design, shown: Sequence[Shown]) -> list[Reference]:
     """The exact values where they are known, else the means of the run's own reference groups."""
-    exact = possible(settings, source.config.interaction.distances)
+    first = shown[0].group.cells[0]
+    exact = possible(first.settings, first.config.interaction.distances)
     if exact is not None:
         return [Reference(OPTIMUM, exact.optimum), Reference(CHANCE, exact.random)]
     found = []
     for kind, group in design.references:
         if IN_EACH_LINE in group:
-            last = [(condition.group.split("/")[-1], condition.colour) for condition in design.conditions]
-            named = [(group.replace(IN_EACH_LINE, name), colour) for name, colour in last]
+            cells = [(each.group.cells[0], each.condition.colour) for each in shown]
+            named = [(group.replace(IN_EACH_LINE, cell.human), cell, colour) for cell, colour in cells]
         else:
-            named = [(group, GREY)]
-        found += [
-            Reference(kind, float(source.groups[name].rewards().mean()), colour)
-            for name, colour in named
-            if name in source.groups
-        ]
+            named = [(group, first, GREY)]
+        values = [(source.reference(name, cell), colour) for name, cell, colour in named]
+        found += [Reference(kind, value, colour) for value, colour in values if value is not None]
     return found

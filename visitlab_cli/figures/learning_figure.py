@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from visitlab_cli.figures.designs import FIG_6, FIG_8, Design
 from visitlab_cli.figures.drawing import Drawing
-from visitlab_cli.figures.learning import panel_of
+from visitlab_cli.figures.learning import panel_of, shown_in, unlike_in
 from visitlab_cli.figures.panel import draw_key, draw_panel
 from visitlab_cli.figures.source import Source
 from visitlab_cli.pictures.style import PAGE
@@ -15,25 +15,26 @@ PANEL_HEIGHT, KEY_HEIGHT = 2.5, 0.5  # inches
 
 def draw_fig6(source: Source) -> Drawing:
     """Learning of the three modules, and after watching another agent."""
-    return _draw(source, FIG_6)
+    return draw_learning(source, FIG_6)
 
 
 def draw_fig8(source: Source) -> Drawing:
     """Three humans, and adapting to another human in the visit."""
-    return _draw(source, FIG_8)
+    return draw_learning(source, FIG_8)
 
 
 def draw_visit(source: Source) -> Drawing:
-    """Adapting to another human alone, the right of Fig. 8."""
-    return _draw(source, FIG_8[1:])
+    """Adapting to another human alone, the right of Fig. 8; beside the published curves though it is a variant."""
+    return draw_learning(source, FIG_8[1:], even_so=True)
 
 
-def _draw(source: Source, designs: Sequence[Design]) -> Drawing:
-    """Those panels that the run has anything for."""
-    panels = [panel for design in designs if (panel := panel_of(source, design)) is not None]
-    missing = [name for design in designs for name in design.groups() if name not in source.groups]
+def draw_learning(source: Source, designs: Sequence[Design], *, even_so: bool = False) -> Drawing:
+    """Those panels that the run has anything for; `even_so` as `panel_of`."""
+    panels = [panel for design in designs if (panel := panel_of(source, design, even_so=even_so)) is not None]
+    missing = [name for design in designs for name in _missing(source, design)]
     notes = [f"without {', '.join(dict.fromkeys(missing))}: not in this run"] if missing else []
-    shortfall = source.shortfall([name for design in designs for name in design.groups()])
+    notes += [f"{design.title}: {unlike}" for design in designs if (unlike := unlike_in(source, design))]
+    shortfall = source.shortfall([each.group.name for design in designs for each in shown_in(source, design)])
     if shortfall:
         notes.append(shortfall)
     if not panels:
@@ -53,3 +54,8 @@ def _draw(source: Source, designs: Sequence[Design]) -> Drawing:
         draw_panel(axes, panel)
     draw_key(figure, panels)
     return Drawing(figure, notes)
+
+
+def _missing(source: Source, design: Design) -> list[str]:
+    found = source.counterparts
+    return [name for condition, name in design.named() if (design.published, condition.published) not in found]

@@ -4,7 +4,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from visitlab_cli.analysis.published_curves import PublishedCurve
-from visitlab_cli.pictures.style import GREY, INK, SMALL
+from visitlab_cli.pictures.style import FONT_SIZE, GREY, INK, SMALL
+from visitlab_cli.pictures.words import in_lines
 from visitlab_cli.results.curves import Curve
 from visitlab_cli.results.units import in_words
 
@@ -21,17 +22,18 @@ DASHED = (0, (2.5, 1.3))
 OUR_BAND, THEIR_BAND, THEIR_EDGE = 0.35, 0.06, 0.45
 """How opaque the bands are."""
 TITLE_PAD = 15.0  # points
+LINE_WIDTH = 3.0  # inches, of what is said below an axis
 
 
 class Line(NamedTuple):
-    """A condition: where its data lie in the run (`group`), its name and look, its curve and the published one."""
+    """A condition: where its data lie in the run (`group`), its name and look, its curve, what was published."""
 
     group: str
     name: str
     colour: str
     marker: str
     ours: Curve
-    published: PublishedCurve
+    published: PublishedCurve | None = None
 
 
 class Reference(NamedTuple):
@@ -57,6 +59,8 @@ class Panel(NamedTuple):
     """An x worth a vertical line."""
     note: str = ""
     """What else is to be said, in a corner."""
+    unlike: str = ""
+    """What is not as published, below the axis."""
 
 
 def draw_panel(axes: "Axes", panel: Panel) -> None:
@@ -64,7 +68,8 @@ def draw_panel(axes: "Axes", panel: Panel) -> None:
     from matplotlib.ticker import MaxNLocator
 
     for index, line in enumerate(panel.lines):
-        _draw_published(axes, line, line.published)
+        if line.published is not None:
+            _draw_published(axes, line, line.published)
         _draw_ours(axes, line, line.ours, index)
     if panel.mark is not None:
         axes.axvline(panel.mark, color=INK, linewidth=0.7, linestyle=(0, (1, 1.5)), zorder=1)
@@ -75,7 +80,8 @@ def draw_panel(axes: "Axes", panel: Panel) -> None:
         axes.text(0.985, 0.03, panel.note, fontsize=SMALL, color=INK, bbox=box, zorder=7, **corner)
     axes.set_title(panel.title, loc="left", pad=TITLE_PAD)
     axes.legend(loc="lower left", bbox_to_anchor=(0, 1), borderaxespad=0, ncols=3, handlelength=1.8, columnspacing=1.1)
-    axes.set_xlabel(panel.x_label)
+    unlike = f"\n{in_lines(panel.unlike, LINE_WIDTH, FONT_SIZE)}" if panel.unlike else ""
+    axes.set_xlabel(panel.x_label + unlike)
     axes.set_ylabel(f"{panel.y_label}\n(mean, {in_words([line.ours.counted for line in panel.lines])})")
     axes.set_xlim(0, panel.end)
     axes.set_ylim(0, _top(panel))
@@ -137,9 +143,10 @@ def _top(panel: Panel) -> float:
     """A little more than the highest thing that is drawn."""
     values = [reference.value for reference in panel.references]
     for line in panel.lines:
-        shown = line.published.x <= panel.end
         values.append(float(line.ours.mean.max()))
-        values.append(float((line.published.mean + line.published.band)[shown].max(initial=0.0)))
+        if line.published is not None:
+            shown = line.published.x <= panel.end
+            values.append(float((line.published.mean + line.published.band)[shown].max(initial=0.0)))
     return 1.06 * max(values) or 1.0
 
 
@@ -153,14 +160,15 @@ def draw_key(figure: "Figure", panels: Sequence[Panel]) -> None:
     curves = [line.ours for panel in panels for line in panel.lines]
     interval = Patch(color=GREY, alpha=OUR_BAND, linewidth=0, label="this run: 95% interval\nof the mean (Student's t)")
     spread = "published: standard deviation between the\n10 seeds of single trials, not of the mean"
+    published = [
+        Line2D([], [], color="k", linestyle=DASHED, linewidth=1.4, label="published: mean of 10 seeds"),
+        Patch(facecolor=to_rgba(GREY, THEIR_BAND), edgecolor=to_rgba(GREY, THEIR_EDGE), linewidth=0.5, label=spread),
+    ]
     figure.legend(
         handles=[
             Line2D([], [], color=GREY, marker="o", markersize=3.6, label="this run: mean"),
             *([interval] if any(curve.counted.n > 1 for curve in curves) else []),
-            Line2D([], [], color="k", linestyle=DASHED, linewidth=1.4, label="published: mean of 10 seeds"),
-            Patch(
-                facecolor=to_rgba(GREY, THEIR_BAND), edgecolor=to_rgba(GREY, THEIR_EDGE), linewidth=0.5, label=spread
-            ),
+            *(published if any(line.published is not None for panel in panels for line in panel.lines) else []),
             *(
                 Line2D([], [], color=GREY, linewidth=0.8, linestyle=DASHES[kind], label=meaning)
                 for kind, meaning in MEANINGS.items()

@@ -2,11 +2,13 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 
+from visitlab_cli.analysis.counterparts import Condition, Counterpart, counterparts
 from visitlab_cli.config.model import Config
 from visitlab_cli.execution.cells import Cell, plan
 from visitlab_cli.storage.arrays import read_model, read_trials
@@ -41,6 +43,29 @@ class Source:
     run: Path
     config: Config
     groups: dict[str, Group]
+
+    @cached_property
+    def counterparts(self) -> dict[Condition, Counterpart]:
+        """What it has for each published curve."""
+        return counterparts([group.cells[0] for group in self.groups.values()])
+
+    def reference(self, name: str, beside: Cell) -> float | None:
+        """Mean reward a trial of an `experiment/agent/human`, where a grid has several that of the point of a cell."""
+        for group in self.groups.values():
+            cell = group.cells[0]
+            if name == cell.condition and all(
+                cell.point.get(path, value) == value for path, value in beside.point.items()
+            ):
+                return float(group.rewards().mean())
+        return None
+
+    def lacks(self, names: Sequence[str]) -> list[str]:
+        """What is to be said of those `experiment/agent/human` that are no single group: absent, or a grid's."""
+        of_grid = {group.cells[0].condition for group in self.groups.values()}
+        missing = [name for name in names if name not in of_grid]
+        varied = [name for name in names if name in of_grid and name not in self.groups]
+        told = (missing, "not in this run"), (varied, "varies in this run")
+        return [f"without {', '.join(dict.fromkeys(found))}: {why}" for found, why in told if found]
 
     def shortfall(self, names: Sequence[str]) -> str:
         """Which of the groups are there in part only: 'social/mb/human_1 has 7 of 10 cells'; else nothing."""

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from visitlab_cli.analysis.comparison import Compared
-from visitlab_cli.analysis.counterparts import COUNTERPARTS, Absent, OurCurve, our_curve
-from visitlab_cli.analysis.published_curves import PublishedCurve, published_curves
+from visitlab_cli.analysis.counterparts import COUNTERPARTS, Absent, OurCurve, counterparts, curve_of_group
+from visitlab_cli.analysis.published_curves import PublishedCurve
 from visitlab_cli.analysis.variants import Variant, changes
 from visitlab_cli.config.canonical import config_hash
 from visitlab_cli.config.files import shipped_configs
@@ -51,7 +51,8 @@ class Choice(NamedTuple):
         """Its counterpart of a published curve, as far as it is run."""
         if self.variant is None:
             return None
-        found = our_curve(self.variant.run, self.variant.cells, published)
+        group = COUNTERPARTS[published.figure, published.condition]
+        found = curve_of_group(self.variant.run, self.variant.cells, group, published)
         return None if isinstance(found, Absent) else found
 
 
@@ -116,12 +117,11 @@ def _choice(name: str, file: Path, cells: Sequence[Cell], variants: Sequence[Var
 
 
 def _changes(cells: Sequence[Cell], others: Sequence[Cell]) -> dict[tuple[str, str], list[str]]:
-    ours, theirs = ({cell.group: cell for cell in reversed(of)} for of in (cells, others))
+    theirs = {cell.group: cell for cell in reversed(others)}
     found = {}
-    for curve in published_curves():
-        key = curve.figure, curve.condition
-        group = COUNTERPARTS[key]
-        if group in ours and group in theirs and (changed := changes(ours[group], theirs[group])):
+    for key, ours in counterparts(cells).items():
+        other = theirs.get(COUNTERPARTS[key])
+        if not ours.unlike and other is not None and (changed := changes(ours.cell, other)):
             found[key] = changed
     return found
 

@@ -17,7 +17,7 @@ def jump_table(evidence: Evidence) -> str:
         group = evidence.source.groups.get(f"{EXPERIMENT}/{agent}")
         if group is None:
             continue
-        found = ratios(group.tables(), navigation_optimal_q(gamma_of(evidence.source, group)))
+        found = ratios(group.tables(), navigation_optimal_q(gamma_of(group)))
         shown = found.distance <= SHOWN
         whole = found.distance % MAX_SPEED == 0
         means = [found.mean[shown & chosen].mean() for chosen in (whole, ~whole)]

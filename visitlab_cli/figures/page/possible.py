@@ -3,6 +3,7 @@
 from typing import NamedTuple
 
 from visitlab_cli.analysis.comparison import LAST, Comparison
+from visitlab_cli.execution.cells import Cell
 from visitlab_cli.figures.designs import FIG_6, FIG_8, Design
 from visitlab_cli.figures.page.evidence import Evidence
 from visitlab_cli.figures.page.words import curve_name, table
@@ -27,7 +28,7 @@ def yardstick(source: Source, curve: Comparison) -> Yardstick | None:
     if curve.possible:
         return Yardstick(OPTIMUM, curve.possible.optimum, curve.possible.random)
     (design,) = [design for design in (*FIG_6, *FIG_8) if design.published == curve.published.figure]
-    best, random = (_reference(source, design, kind, curve.ours.cell.human) for kind in (SCRIPT, CHANCE))
+    best, random = (_reference(source, design, kind, curve.ours.cell) for kind in (SCRIPT, CHANCE))
     return None if best is None or random is None else Yardstick(SCRIPT, best, random)
 
 
@@ -65,9 +66,8 @@ def beaten_by_script(evidence: Evidence) -> str:
     )
 
 
-def _reference(source: Source, design: Design, kind: str, human: str) -> float | None:
+def _reference(source: Source, design: Design, kind: str, cell: Cell) -> float | None:
     """The mean reward of a reference group; where chance is kept for one human alone, it stands for all."""
-    names = [group.replace("{}", human) for of_kind, group in design.references if of_kind == kind]
-    names = [f"{name.rsplit('/', 1)[0]}/{human}" for name in names] + names
-    groups = [source.groups[name] for name in names if name in source.groups]
-    return float(groups[0].rewards().mean()) if groups else None
+    names = [group.replace("{}", cell.human) for of_kind, group in design.references if of_kind == kind]
+    names = [f"{name.rsplit('/', 1)[0]}/{cell.human}" for name in names] + names
+    return next((found for name in names if (found := source.reference(name, cell)) is not None), None)

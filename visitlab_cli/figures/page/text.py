@@ -8,7 +8,7 @@ from visitlab_cli.figures.page.observation import jump_table
 from visitlab_cli.figures.page.possible import beaten_by_script, possible_table
 from visitlab_cli.figures.page.runs import commands, run_table, unfinished_line, version_line
 from visitlab_cli.figures.page.spreads import crossed_table, one_model_luck, risen_seeds, seed_spreads, seed_table
-from visitlab_cli.figures.page.verdicts import agreeing, disagreeing, summary, verdict_table
+from visitlab_cli.figures.page.verdicts import agreeing, disagreeing, not_judged, summary, verdict_table
 
 CAPTIONS = {
     "fig6": "Fig. 6. Learning of the three modules, and after watching another agent.",
@@ -49,6 +49,7 @@ def _parts(evidence: Evidence, pictures: Mapping[str, str], file: str) -> Iterat
     yield from (f"![{name}]({pictures[name]})\n\n*{caption}*" for name, caption in CAPTIONS.items() if name in pictures)
     yield "## Verdicts"
     yield verdict_table(evidence)
+    yield not_judged(evidence)
     yield "## What agrees"
     yield agreeing(evidence)
     yield "## What does not, and why"

@@ -14,7 +14,9 @@ def summary(evidence: Evidence) -> str:
     repeated = f" ({again} of them drawn in two figures)" if again else ""
     last = [each.parts[LAST].verdict for each in evidence.compared.curves]
     settled = [f"{last.count(verdict)} {word}" for verdict, word in _SAID.items() if verdict in last]
-    absent = f"; {len(evidence.compared.absent)} more were not run" if evidence.compared.absent else ""
+    unlike = sum(ours.unlike for _, ours in evidence.compared.absent)
+    absent = f"; {len(evidence.compared.absent) - unlike} more were not run" if evidence.compared.absent else ""
+    absent += f", {unlike} not as published" if unlike else ""
     return (
         f"Of {len(verdicts)} published curves{repeated} {listed(counts)}{absent}; in the last tenth alone "
         f"{listed(settled)}. A curve agrees where the 95% interval of the difference lies within "
@@ -48,6 +50,13 @@ def verdict_table(evidence: Evidence) -> str:
             "n: independent seeds, in a visit trained models.",
         ]
     )
+
+
+def not_judged(evidence: Evidence) -> str:
+    """The curves that can't be judged, as something that decides them is not as published; empty where all can."""
+    found = [(published, ours) for published, ours in evidence.compared.absent if ours.unlike]
+    lines = [f"- {curve_name(published.figure, published.condition)}: {ours.reason}" for published, ours in found]
+    return "\n".join(["Not judged:", "", *lines]) if lines else ""
 
 
 def agreeing(evidence: Evidence) -> str:
