@@ -42,7 +42,7 @@ class Pair(NamedTuple):
     """Two conditions of the same kind; `difference` is the second's less the first's.
 
     `n` is the number of pairs where they are paired. The probability that a seed of the second is better than one
-    of the first is over all combinations of seeds.
+    of the first is over all combinations of seeds. `groups` are the cells of the two.
     """
 
     where: str
@@ -53,6 +53,7 @@ class Pair(NamedTuple):
     paired: bool
     n: int
     probability_of_improvement: float
+    groups: tuple[Group, Group]
 
     def as_json(self) -> dict[str, Any]:
         """Plain values."""
@@ -113,7 +114,7 @@ def compare_by(run: Path, cells: Sequence[Cell], key: str) -> Compared:
         if names is not None:
             where, *sides = names
             reached = (sides[0], first.reached), (sides[1], second.reached)
-            pairs.append(_pair(where, first.group.measure, *reached, same_luck=True))
+            pairs.append(_pair(where, (first.group, second.group), *reached, same_luck=True))
             paired |= {first.group.path, second.group.path}
     if not pairs:
         raise NotFoundError(f"{run}: nothing that is done differs in {key} alone")
@@ -136,7 +137,7 @@ def compare_runs(first: tuple[Path, Sequence[Cell]], second: tuple[Path, Sequenc
         if values and other_values:
             same_luck = group.cells[0].config.seed == other.cells[0].config.seed
             sides = (first[0].name, values), (second[0].name, other_values)
-            pairs.append(_pair(group.path, group.measure, *sides, same_luck=same_luck))
+            pairs.append(_pair(group.path, (group, other), *sides, same_luck=same_luck))
     if not pairs:
         raise NotFoundError(f"{first[0]} and {second[0]}: have no finished experiment, agent and human in common")
     both = {pair.where for pair in pairs}
@@ -205,7 +206,14 @@ def _chooses_social(path: str, group: Group) -> bool:
     return isinstance(group.cells[0].settings, Visit) and path in (modules, f"{modules}.social")
 
 
-def _pair(where: str, measure: str, first: tuple[str, Values], second: tuple[str, Values], *, same_luck: bool) -> Pair:
+def _pair(
+    where: str,
+    groups: tuple[Group, Group],
+    first: tuple[str, Values],
+    second: tuple[str, Values],
+    *,
+    same_luck: bool,
+) -> Pair:
     ours, theirs = first[1], second[1]
     common = [unit for unit in ours if unit in theirs] if same_luck else []
     values, other_values = list(ours.values()), list(theirs.values())
@@ -217,4 +225,4 @@ def _pair(where: str, measure: str, first: tuple[str, Values], second: tuple[str
     n = len(common) or min(len(values), len(other_values))
     better = probability_of_improvement(values, other_values)
     sides = Side(first[0], fmean(values), len(values)), Side(second[0], fmean(other_values), len(other_values))
-    return Pair(where, measure, *sides, difference, bool(common), n, better)
+    return Pair(where, groups[0].measure, *sides, difference, bool(common), n, better, groups)
