@@ -58,7 +58,7 @@ class Cell:
     @property
     def condition(self) -> str:
         """Experiment, agent (a visit's is its module's) and human: the group's path without the point of a grid."""
-        agent = "" if isinstance(self.settings, Visit) else self.agent
+        agent = "" if self.settings.assembled else self.agent
         return self.evaluation.folder + "/".join(filter(None, (self.experiment, agent, self.human)))
 
     @property

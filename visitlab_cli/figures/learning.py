@@ -62,8 +62,8 @@ def panel_of(source: Source, design: Design, *, even_so: bool = False) -> Panel 
         return None
     found = [(each.condition, each.group) for each in shown]
     settings = found[0][1].cells[0].settings
-    visit = isinstance(settings, Visit)
-    end = settings.trials if isinstance(settings, Visit) else settings.steps
+    visit = settings.assembled
+    end = settings.n_trials if visit else settings.n_steps
     x_unit = 1 if visit else MILLION if end >= MILLION else THOUSAND
     x_label = {1: "trial", THOUSAND: "step of training (thousands)", MILLION: "step of training (millions)"}[x_unit]
     measure = "goal rooms in a trial" if visit else "reward of a trial"

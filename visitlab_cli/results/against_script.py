@@ -9,7 +9,7 @@ from visitlab_cli.config.experiments import Visit
 from visitlab_cli.results.estimates import Estimate, mean_of
 from visitlab_cli.results.groups import Group
 from visitlab_cli.results.seeds import seed_values
-from visitlab_cli.world.columns import SOCIAL
+from visitlab_cli.world.tasks import SOCIAL
 
 SCRIPTED = "scripted"
 """The kind of agent."""
