@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from visitlab_cli.colours import FIXED, PALETTE, looks_of
+from visitlab_cli.figures.designs import FIG_6, FIG_8
 
 SEEN = {
     "all": np.eye(3),
@@ -72,3 +73,13 @@ def test_many_agents_look_all_different(number):
     looks = looks_of(f"agent_{place}" for place in range(number))
     assert len(set(looks.values())) == number
     assert len({look.hue for look in looks.values()}) == min(number, 8)
+
+
+def test_no_colour_means_an_agent_here_and_a_human_there():
+    humans = {condition.colour.lower() for design in FIG_8 for condition in design.conditions}
+    assert humans.isdisjoint(paint.light for paint in PALETTE)
+    agents = {condition.group.split("/")[0]: condition for design in FIG_6 for condition in design.conditions}
+    looks = looks_of([*agents, "another"])
+    assert {name: (each.colour, each.marker) for name, each in agents.items()} == {
+        name: (looks[name].colour, looks[name].marker) for name in agents
+    }

@@ -222,7 +222,18 @@ def test_every_control_is_reached_by_the_tab_key(page):
     for _ in range(wanted + 60):
         page.keyboard.press("Tab")
         reached.add(page.evaluate("[...document.querySelectorAll('*')].indexOf(document.activeElement)"))
-    for selector in (".plot", ".stage", ".controls .main", "#visit", ".rail input", "summary", "#theme", ".name"):
+    for selector in (
+        ".plot",
+        ".stage",
+        ".sort",
+        "#choose select",
+        ".controls .main",
+        "#visit",
+        ".rail input",
+        "summary",
+        "#theme",
+        ".name",
+    ):
         place = f"[...document.querySelectorAll('*')].indexOf(document.querySelector({selector!r}))"
         assert page.evaluate(place) in reached
 
@@ -251,11 +262,16 @@ def test_on_a_phone_nothing_is_wider_than_the_screen(shown, tiny_page):
 @pytest.mark.parametrize("width", [390, 800, 1280])
 def test_a_grid_of_long_names_can_be_read(shown, grid_page, width):
     page = shown(grid_page, viewport={"width": width, "height": 900}, color_scheme="dark")
-    assert page.locator(".numbers tbody tr:not(.group)").count() > 50
+    while page.get_by_role("button", name="Show all").count():
+        page.get_by_role("button", name="Show all").first.click()
+    assert page.locator("#results tbody tr:not(.group):visible").count() > 50
     assert page.evaluate("document.documentElement.scrollWidth") == width
     assert page.evaluate(BROKEN_NUMBERS) == []
     assert page.evaluate(OVERLAPS) == []
     assert all(each.bounding_box()["height"] <= 240 for each in page.locator(".names").all())
+    names = page.locator(".names").last
+    assert names.locator(".name[aria-pressed=true]").count() == 8
+    names.get_by_role("button", name="All").click()
     page.locator(".plot").last.hover()
     assert page.locator(".plot").last.locator(".tip > span").count() == 10
     assert complaints(page) == []
@@ -277,6 +293,92 @@ def test_what_the_human_sees_ends_at_the_lab(shown, tiny_run, tmp_path):
     assert "sees" in page.evaluate(under, [13.5, 0.45])
     assert "faces" not in page.evaluate(under, [12.5, -0.2])
     assert "drawn up to 5 cells; sight goes on" in page.locator(".legend").text_content()
+
+
+def shown_lines(page, section):
+    return page.locator(f"#{section} tr[data-line]:visible")
+
+
+def choose(page, head, value):
+    page.locator("#choose").get_by_role("combobox", name=head, exact=True).select_option(label=value)
+
+
+def test_what_is_chosen_is_shown_in_all_tables_and_charts(page):
+    everything = shown_lines(page, "results").count()
+    choose(page, "Agent", "rmax")
+    rows = shown_lines(page, "results")
+    assert 0 < rows.count() < everything
+    assert {row.locator("th").text_content() for row in rows.all()} == {"rmax"}
+    assert page.locator("#results [role=status]").text_content() == f"{rows.count()} lines, chosen of {everything}"
+    assert "Agent rmax" in page.locator("#choose summary").text_content()
+    assert page.locator(".chart:visible .name:visible").all_text_contents() == ["rmax"] * 3
+    choose(page, "Task", "navigation")
+    assert shown_lines(page, "results").count() == 1
+    assert page.locator(".chart:visible").count() == 1
+    page.get_by_role("button", name="Reset").click()
+    assert shown_lines(page, "results").count() == everything
+    choose(page, "Module", "navigation/rmax")
+    assert page.locator("#results tbody:visible .group").all_text_contents() == [
+        "navigation reward a trial",
+        "visit goals a trial",
+    ]
+
+
+def means(page):
+    rows = page.locator("#results tbody:visible").first.locator("tr[data-line]:visible")
+    return [float(row.locator("td[data-label=Mean]").text_content()) for row in rows.all()]
+
+
+def test_lines_are_sorted_within_their_experiment(page):
+    declared = means(page)
+    head = page.locator("#results thead").get_by_role("button", name="Mean")
+    head.click()
+    assert means(page) == sorted(declared) != declared
+    assert page.locator("#results th[aria-sort]").get_attribute("aria-sort") == "ascending"
+    head.press("Enter")
+    assert means(page) == sorted(declared, reverse=True)
+
+
+def test_on_a_phone_lines_are_sorted_by_a_list(shown, tiny_page):
+    page = shown(tiny_page, **PHONE)
+    declared = means(page)
+    page.locator("#results").get_by_role("combobox", name="Sort by").select_option(label="Mean")
+    page.locator("#results").get_by_role("button", name="Ascending").tap()
+    assert means(page) == sorted(declared, reverse=True)
+
+
+def test_a_long_table_is_shown_in_part_and_printed_whole(shown, grid_page):
+    page = shown(grid_page)
+    rows = shown_lines(page, "results")
+    assert rows.count() == 25
+    page.emulate_media(media="print")
+    assert rows.count() > 50
+    page.emulate_media(media="screen")
+    page.locator("#results").get_by_role("button", name="Show all").click()
+    assert rows.count() == page.locator("#results tr[data-line]").count() > 50
+
+
+def test_without_a_script_every_line_can_be_read(browser, grid_page):
+    context = browser.new_context(java_script_enabled=False)
+    page = context.new_page()
+    page.goto(grid_page.absolute().as_uri())
+    assert page.locator("tr[data-line]:visible").count() == page.locator("tr[data-line]").count() > 50
+    context.close()
+
+
+def test_an_agent_has_one_colour_on_the_whole_page(page):
+    colours = page.evaluate("""
+      DATA.charts.flatMap((chart, n) => chart.curves.map(({ line }, i) => {
+        const agent = CHOICES.values[3][CHOICES.lines[line][3][0]];
+        const spot = document.querySelectorAll(`[data-chart='${n}'] .name`)[i].querySelector(".spot");
+        const cell = [...document.querySelectorAll("#results .agent")].find((each) => each.textContent === agent);
+        return [agent, getComputedStyle(spot).getPropertyValue("--hue"), spot.getAttribute("d"),
+          getComputedStyle(cell.querySelector("i")).getPropertyValue("--hue")];
+      }))""")
+    assert len({agent for agent, *_ in colours}) > 4
+    assert len({tuple(each) for each in colours}) == len({agent for agent, *_ in colours})
+    assert len({hue for _, hue, *_ in colours}) == len({agent for agent, *_ in colours})
+    assert all(hue == beside for _, hue, _, beside in colours)
 
 
 def test_copy_takes_the_command(page):

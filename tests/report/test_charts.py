@@ -1,11 +1,9 @@
 """Which curves share a chart, and which colour they have."""
 
-import pytest
-
 from tests.results.runs_by_hand import open_lab, reach
+from visitlab_cli.colours import looks_of
 from visitlab_cli.report.curves import charts_of
-from visitlab_cli.report.hues import COLOURS, Hues
-from visitlab_cli.results.groups import Group, groups_of
+from visitlab_cli.results.groups import groups_of
 
 OTHER_VISIT = """
   visit_mf:
@@ -25,10 +23,6 @@ def charts(tmp_path, trials):
     return {chart.title: chart.curves for chart in charts_of(run, groups_of(done))}
 
 
-def group(agent, human="", point=()):
-    return Group("", "", agent, human, point, [])
-
-
 def test_visits_as_long_share_a_chart(tmp_path):
     found = charts(tmp_path, trials=20)
     assert list(found) == ["navigation", "go_to_human", "social", "visit, visit_mf"]
@@ -39,38 +33,22 @@ def test_visits_of_other_lengths_do_not(tmp_path):
     assert list(charts(tmp_path, trials=30))[-2:] == ["visit", "visit_mf"]
 
 
-def test_nor_do_more_than_there_are_colours(tmp_path, monkeypatch):
-    monkeypatch.setattr("visitlab_cli.report.curves.COLOURS", 3)
+def test_nor_do_many(tmp_path, monkeypatch):
+    monkeypatch.setattr("visitlab_cli.report.curves.MOST_TOGETHER", 3)
     assert list(charts(tmp_path, trials=20))[-2:] == ["visit", "visit_mf"]
 
 
-def test_an_agent_keeps_its_colour(tmp_path):
+def test_an_agent_has_its_colour_in_every_chart(tmp_path):
     found = charts(tmp_path, trials=20)
-    mb, mf = (curve.hue for curve in found["navigation"])
-    assert mb != mf
-    assert [curve.hue for curve in found["go_to_human"]] == [mb]
-    assert [curve.hue for curve in found["social"]] == [mb, mf]
-    hues = {curve.name: curve.hue for curve in found["visit, visit_mf"]}
-    assert (hues["mb · slow"], hues["mf · slow"]) == (mb, mf)
-    assert len(set(hues.values())) == 4
+    looks = looks_of(["mb", "mf"])
+    for curve in (curve for curves in found.values() for curve in curves):
+        agent = "mf" if curve.name.startswith("mf") else "mb"
+        assert (curve.hue, curve.marker) == looks[agent]
 
 
-def test_a_condition_keeps_its_colour():
-    hues = Hues()
-    first = hues.of_chart([group("mb", "shy"), group("mb", "bold"), group("ql", "shy")])
-    assert hues.of_chart([group("ql", "shy"), group("mb", "bold")]) == [first[2], first[1]]
-    assert hues.of_chart([group("mb", "new")]) == [first[0]]
-
-
-@pytest.mark.parametrize("number", [COLOURS, 50])
-def test_the_curves_of_a_chart_differ(number):
-    hues = Hues()
-    hues.of_chart([group(f"other_{place}") for place in range(5)])
-    found = hues.of_chart([group("mb", point=(("p", str(place)),)) for place in range(number)])
-    assert set(found) == set(range(number))
-
-
-def test_few_curves_are_not_dashed():
-    hues, many = Hues(), [group("mb", point=(("p", str(place)),)) for place in range(COLOURS + 3)]
-    hues.of_chart(many)
-    assert set(hues.of_chart(many[3:])) == set(range(COLOURS))
+def test_a_curve_knows_its_line_of_the_table(tmp_path):
+    run, cells = open_lab(tmp_path, agents_of_social="mb, mf", more="record: {steps: none}\n")
+    reach(run, cells, {path: 1.0 for path in cells if not path.startswith("navigation")})
+    groups = groups_of(list(cells.values()))
+    lines = {curve.line for chart in charts_of(run, groups) for curve in chart.curves}
+    assert lines == {line for line, group in enumerate(groups) if group.experiment != "navigation"}

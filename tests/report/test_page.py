@@ -5,15 +5,19 @@ import re
 import numpy as np
 import pytest
 
+from tests.report.conftest import AGENT, HUMAN
 from tests.report.parsed import Parsed
 from tests.results.runs_by_hand import open_lab, reach
 from visitlab_cli.config.loading import load_text
 from visitlab_cli.report.best_trial import best_trials
 from visitlab_cli.report.curves import batch_edges, charts_of
+from visitlab_cli.report.differences import two_learners
 from visitlab_cli.report.making import gather, make_report
 from visitlab_cli.report.page import render
 from visitlab_cli.results.curves import in_batches
+from visitlab_cli.results.estimates import Estimate
 from visitlab_cli.results.expected import Result
+from visitlab_cli.results.marginal import Marginal
 from visitlab_cli.results.pairs import Side
 from visitlab_cli.storage.arrays import read_trials
 from visitlab_cli.storage.run_folder import read_config, read_versions, run_name
@@ -38,9 +42,31 @@ def hostile(report):
         for line in facts.summaries
     ]
     expected = {line.group.path: Result(HOSTILE, HOSTILE, 1, 1, 1.0, 1.0, 0.1) for line in lines}
+    hurt = {line.group.path: new.group for line, new in zip(facts.summaries, lines, strict=True)}
     side = Side(HOSTILE, 1.0, 2)
-    pairs = [pair._replace(where=HOSTILE, measure=HOSTILE, first=side, second=side) for pair in facts.pairs]
-    facts = facts._replace(name=HOSTILE, summaries=lines, expected=expected, pairs=pairs, versions={HOSTILE: [HOSTILE]})
+    pairs = [
+        pair._replace(
+            where=HOSTILE,
+            measure=HOSTILE,
+            first=side,
+            second=side,
+            groups=tuple(hurt[group.path] for group in pair.groups),
+        )
+        for pair in facts.pairs
+    ]
+    scripts = [
+        each._replace(group=hurt[each.group.path], script=hurt[each.script.path]) for each in facts.against_script
+    ]
+    marginals = [Marginal(HOSTILE, HOSTILE, HOSTILE, HOSTILE, HOSTILE, Estimate(1.0, 0.1), 2, [lines[0].group])]
+    facts = facts._replace(
+        name=HOSTILE,
+        summaries=lines,
+        expected=expected,
+        pairs=pairs,
+        against_script=scripts,
+        marginals=marginals,
+        versions={HOSTILE: [HOSTILE]},
+    )
     charts = [
         chart._replace(title=HOSTILE, y=HOSTILE, curves=[curve._replace(name=HOSTILE) for curve in chart.curves])
         for chart in report.charts
@@ -89,6 +115,40 @@ def test_agents_are_compared_two_by_two(tmp_path):
     assert "mf less mb" in words
     assert "+10.00 ± 2.27" in words  # 2.776 (4 degrees of freedom) times the root of 2/3
     assert "3 independent" in words
+
+
+def test_a_script_is_compared_seed_by_seed_and_nowhere_else(tiny_run, tiny_page):
+    facts = gather(tiny_run).facts
+    assert {line.group.agent for line in facts.against_script} == {"mf", "mb", "rmax", "watcher", "chance"}
+    assert "Learned against the script" in Parsed(tiny_page.read_text()).text
+    others = [{group.agent for group in pair.groups} for pair in two_learners(facts)]
+    assert others
+    assert not any("script" in agents for agents in others)
+
+
+def test_every_line_is_there_without_a_script_and_says_what_it_is_of(grid_page):
+    parsed = Parsed(grid_page.read_text())
+    lines = [int(row["data-line"]) for row in parsed.attributes("tr") if "data-line" in row]
+    choices = parsed.data["choices"]
+    assert lines == list(range(len(choices["lines"])))
+    assert not any("hidden" in attributes for _, attributes in parsed.elements)
+    fixed = ["Task", "Experiment", "Module", "Agent", "Human"]
+    heads = [*fixed, "plan_every", "distances", "p_S", "p_A"]
+    assert choices["heads"] == heads
+    of = [
+        {
+            head: [known[each] for each in places]
+            for head, known, places in zip(heads, choices["values"], line, strict=True)
+        }
+        for line in choices["lines"]
+    ]
+    visit = next(each for each in of if each["Experiment"] == ["visit"])
+    assert visit["Module"] == ["navigation/mf", f"go_to_human/{AGENT}", f"social/{AGENT}/{HUMAN}"]
+    assert visit["Human"] == [HUMAN]
+    assert visit["p_A"] == []
+    assert {tuple(each["p_A"]) for each in of} >= {("0.0123456789",), ("0.2",)}
+    for curve in (curve for chart in parsed.data["charts"] for curve in chart["curves"]):
+        assert curve["line"] in lines
 
 
 def test_nothing_is_compared_where_nothing_differs(tmp_path):

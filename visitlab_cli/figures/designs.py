@@ -3,9 +3,9 @@
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from visitlab_cli.colours import FIXED, TEAL, VIOLET
+from visitlab_cli.colours import FIXED
 from visitlab_cli.figures.panel import CHANCE, SCRIPT
-from visitlab_cli.pictures.style import ORANGE, PURPLE
+from visitlab_cli.pictures.style import ORANGE, PLUM, PURPLE, SKY
 
 
 class Condition(NamedTuple):
@@ -69,11 +69,11 @@ FIG_6 = (
     ),
 )
 
-# Humans have colours that none of these agents has: a colour means one thing on all pages.
+# Humans have colours that no agent has: a colour means one thing in all figures.
 HUMAN_1 = Condition("human_1", "Human 1", ORANGE, "s", "human_1")
-HUMAN_2 = Condition("human_2", "Human 2", VIOLET.light, "o", "human_2")
+HUMAN_2 = Condition("human_2", "Human 2", SKY, "o", "human_2")
 HUMAN_3 = Condition("human_3", "Human 3", PURPLE, "^", "human_3")
-POINTING = Condition("human_2_pointing", "Human 2 with pointing", TEAL.light, "D", "human_2_pointing")
+POINTING = Condition("human_2_pointing", "Human 2 with pointing", PLUM, "D", "human_2_pointing")
 FIG_8 = (
     Design(
         "Social, three humans",

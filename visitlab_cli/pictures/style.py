@@ -11,8 +11,9 @@ from visitlab_cli.whole_file import write_whole
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-# Okabe and Ito's colours.
+# Okabe and Ito's colours, and Tol's purple.
 VERMILION, BLUE, GREEN, ORANGE, PURPLE = "#D55E00", "#0072B2", "#009E73", "#E69F00", "#CC79A7"
+SKY, PLUM = "#56B4E9", "#AA4499"
 INK, GREY = "#222222", "#666666"
 
 PAGE = 7.2  # inches: both columns of a paper

@@ -1,8 +1,13 @@
 // A chart of learning curves: bands, lines, a reading at the pointer or the arrow keys, names that switch curves.
 
-const COLOURS = 8, MOST_TOLD = 10, MARGIN = { left: 40, right: 12, top: 10, bottom: 36 };
+const MOST_DRAWN = 8, MOST_BANDS = 4, MOST_TOLD = 10, DASHES = 4, SHADES = 3, MARKERS_A_CURVE = 7, MARGIN = { left: 40, right: 12, top: 10, bottom: 36 };
 const short = (value) =>
   value >= 1e6 ? `${+(value / 1e6).toFixed(2)}M` : value >= 1e4 ? `${+(value / 1e3).toFixed(1)}k` : value.toLocaleString("en");
+
+// The markers of colours.py, each about 9 across.
+const PLUS = "M-1.6,-4.5h3.2v2.9h2.9v3.2h-2.9v2.9h-3.2v-2.9h-2.9v-3.2h2.9z";
+const MARKERS = { o: "M-4,0a4,4 0 1,0 8,0a4,4 0 1,0 -8,0", s: "M-3.6,-3.6h7.2v7.2h-7.2z", "^": "M0,-4.6L4.4,3.6H-4.4z", D: "M0,-4.9L4.9,0L0,4.9L-4.9,0z",
+  v: "M0,4.6L4.4,-3.6H-4.4z", P: PLUS, X: PLUS, h: "M0,-4.6L4,-2.3V2.3L0,4.6L-4,2.3V-2.3z" };
 
 function ticks(low, high, wanted) {
   const rough = (high - low) / wanted, power = 10 ** Math.floor(Math.log10(rough));
@@ -15,10 +20,11 @@ function ticks(low, high, wanted) {
 class Chart {
   constructor(figure, data, number) {
     this.data = data;
-    this.on = data.curves.map(() => true);
+    this.figure = figure;
+    this.of = data.curves.map(() => true);
+    this.on = this.first();
     this.end = Math.max(...data.curves.map((curve) => curve.end));
     this.at = null;
-    this.hues = data.curves.map(({ hue }) => `colour-${hue % COLOURS}${hue >= COLOURS ? " dashed" : ""}`);
     this.plot = html("div", {
       class: "plot", tabindex: 0, role: "group",
       "aria-label": `${data.title}: ${data.y} over ${data.x}; arrow keys read the curves`,
@@ -28,23 +34,56 @@ class Chart {
     this.tip = html("div", { class: "tip", hidden: "" });
     this.said = html("p", { class: "unseen", "aria-live": "polite" });
     this.names = data.curves.map((curve, i) =>
-      html("button", { type: "button", class: `name ${this.hues[i]}`, "aria-pressed": "true", onclick: (event) => this.toggle(i, event) },
-        svg("svg", { width: 18, height: 8, "aria-hidden": "true" }, svg("line", { x1: 1, x2: 17, y1: 4, y2: 4, class: "curve" })),
-        breakable(curve.name)));
-    this.all = button("All", () => this.show(this.on.map(() => true)), { hidden: "" });
+      html("button", { type: "button", class: "name", "aria-pressed": "true", onclick: (event) => this.toggle(i, event) }, breakable(curve.name)));
+    this.all = button("All", () => this.turn([...this.of]), { hidden: "" });
+    this.few = html("small", {});
     const seeds = [...new Set(data.curves.map((curve) => curve.n))].join(", ");
     figure.append(
-      html("figcaption", { id: `chart-${number}` }, html("h3", {}, breakable(data.title)), html("small", {}, `${data.y}, n = ${seeds}, a point is ${data.batch === "1" ? "a trial" : `${data.batch} trials`}`)),
+      html("figcaption", { id: `chart-${number}` }, html("h3", {}, breakable(data.title)), html("small", {}, `${data.y}, n = ${seeds}, a point is ${data.batch === "1" ? "a trial" : `${data.batch} trials`}`), this.few),
       html("div", { class: "names", role: "group", "aria-label": `Curves of ${data.title}` }, ...this.names, this.all),
       this.plot, this.said);
-    this.draw();
     new ResizeObserver(() => requestAnimationFrame(() => { if (this.plot.clientWidth !== this.width) this.draw(); })).observe(figure);
+  }
+
+  // The first of those curves that are chosen.
+  first() {
+    let left = MOST_DRAWN;
+    return this.of.map((of) => of && left-- > 0);
+  }
+
+  // Show the curves of the lines that are chosen on the page.
+  show() {
+    this.of = this.data.curves.map((curve) => matches(curve.line));
+    this.figure.hidden = !this.of.some(Boolean);
+    this.names.forEach((name, i) => { name.hidden = !this.of[i]; });
+    if (!this.figure.hidden) this.turn(this.first());
+  }
+
+  // An agent's colour, and a dash and shade that none of its other curves has that are drawn.
+  style() {
+    const before = {};
+    this.looks = this.data.curves.map(({ hue, marker }, i) => {
+      const which = `${hue} ${marker}`;
+      const place = before[which] ?? 0;
+      before[which] = place + (this.on[i] ? 1 : 0);
+      return `colour-${hue} shade-${place % SHADES} dash-${place % DASHES}`;
+    });
+  }
+
+  marker(i, x, y) {
+    const { marker } = this.data.curves[i];
+    return svg("path", { class: `spot ${this.looks[i].replace(/ dash-\d/, "")}`, d: MARKERS[marker], transform: `translate(${x.toFixed(1)},${y.toFixed(1)})${marker === "X" ? " rotate(45)" : ""}` });
+  }
+
+  sample(i) {
+    return svg("svg", { width: 26, height: 12, "aria-hidden": "true" },
+      svg("line", { x1: 0, x2: 26, y1: 6, y2: 6, class: `curve ${this.looks[i]}` }), this.marker(i, 13, 6));
   }
 
   // From where to where y goes: all curves, their bands where these are drawn, zero and the exact values.
   measure(banded) {
     const { curves, optimum, random } = this.data;
-    const values = curves.flatMap(({ mean, half }) => (banded && half ? mean.flatMap((at, k) => [at - half[k], at + half[k]]) : mean));
+    const values = curves.filter((_, i) => this.of[i]).flatMap(({ mean, half }) => (banded && half ? mean.flatMap((at, k) => [at - half[k], at + half[k]]) : mean));
     const all = [...values, ...[optimum, random].filter((value) => value !== null), 0];
     this.low = all.reduce((a, b) => Math.min(a, b));
     this.high = all.reduce((a, b) => Math.max(a, b)) * (optimum === null ? 1.04 : 1.1) || 1;
@@ -60,7 +99,7 @@ class Chart {
     this.width = this.plot.clientWidth;
     this.height = Math.round(Math.min(300, Math.max(220, this.width * 0.55)));
     const right = this.width - MARGIN.right, bottom = this.height - MARGIN.bottom;
-    const banded = this.on.filter(Boolean).length <= COLOURS;
+    const banded = this.on.filter(Boolean).length <= MOST_BANDS;
     this.measure(banded);
     this.cursor = svg("g", { class: "cursor" });
     this.picture = svg("svg", { viewBox: `0 0 ${this.width} ${this.height}`, width: this.width, height: this.height, "aria-hidden": "true" },
@@ -87,15 +126,17 @@ class Chart {
   }
 
   line(curve, i) {
-    const points = curve.mean.map((mean, k) => `${this.x(this.place(curve, k)).toFixed(1)},${this.y(mean).toFixed(1)}`);
-    return points.length > 1 ? svg("polyline", { class: `curve ${this.hues[i]}`, points: points.join(" ") })
-      : svg("circle", { class: `spot ${this.hues[i]}`, cx: points[0].split(",")[0], cy: points[0].split(",")[1], r: 3 });
+    const points = curve.mean.map((mean, k) => [this.x(this.place(curve, k)), this.y(mean)]);
+    const every = Math.max(1, Math.ceil(points.length / MARKERS_A_CURVE));
+    const marked = points.filter((_, k) => k % every === Math.min(i % every, points.length - 1));
+    return svg("g", {}, svg("polyline", { class: `curve ${this.looks[i]}`, points: points.map((at) => at.map((part) => part.toFixed(1)).join()).join(" ") }),
+      ...marked.map(([x, y]) => this.marker(i, x, y)));
   }
 
   band(curve, i) {
     const edge = (sign) => curve.mean.map((mean, k) =>
       `${this.x(this.place(curve, k)).toFixed(1)},${this.y(mean + sign * curve.half[k]).toFixed(1)}`);
-    return svg("polygon", { class: `band ${this.hues[i]}`, points: [...edge(1), ...edge(-1).reverse()].join(" ") });
+    return svg("polygon", { class: `band ${this.looks[i]}`, points: [...edge(1), ...edge(-1).reverse()].join(" ") });
   }
 
   point(event) {
@@ -127,9 +168,9 @@ class Chart {
     }).filter(({ curve, i }) => this.on[i] && at <= curve.end).sort((a, b) => b.mean - a.mean);
     const x = this.x(found.length ? this.place(found[0].curve, found[0].k) : at);
     this.cursor.append(svg("line", { x1: x, x2: x, y1: MARGIN.top, y2: this.height - MARGIN.bottom }),
-      ...found.map(({ i, mean }) => svg("circle", { class: `spot ${this.hues[i]}`, cx: x, cy: this.y(mean), r: 4 })));
+      ...found.map(({ i, mean }) => this.marker(i, x, this.y(mean))));
     this.tip.replaceChildren(html("b", {}, `${short(Math.round(found.length ? this.place(found[0].curve, found[0].k) : at))} ${this.data.x}`),
-      ...found.slice(0, MOST_TOLD).map(({ curve, i, k, mean }) => html("span", { class: this.hues[i] }, html("i"), breakable(`${curve.name} `),
+      ...found.slice(0, MOST_TOLD).map(({ curve, i, k, mean }) => html("span", {}, this.sample(i), breakable(`${curve.name} `),
         html("b", {}, mean.toFixed(2) + (curve.half ? ` ± ${curve.half[k].toFixed(2)}` : "")))),
       found.length > MOST_TOLD ? html("b", {}, `and ${found.length - MOST_TOLD} lower`) : "");
     const wide = this.tip.offsetWidth;
@@ -138,15 +179,23 @@ class Chart {
 
   toggle(i, event) {
     const alone = this.on.every((on, k) => on === (k === i));
-    this.show(event.shiftKey ? this.on.map((_, k) => alone || k === i) : this.on.map((on, k) => (k === i ? !on : on)));
+    this.turn(event.shiftKey ? this.of.map((of, k) => of && (alone || k === i)) : this.on.map((on, k) => (k === i ? !on : on)));
   }
 
-  show(on) {
+  turn(on) {
     this.on = on;
-    this.names.forEach((name, i) => name.setAttribute("aria-pressed", String(on[i])));
-    this.all.hidden = on.every(Boolean);
+    this.style();
+    const chosen = this.of.filter(Boolean).length, drawn = on.filter(Boolean).length;
+    this.names.forEach((name, i) => {
+      name.setAttribute("aria-pressed", String(on[i]));
+      name.querySelector("svg")?.remove();
+      name.prepend(this.sample(i));
+    });
+    this.few.textContent = drawn < chosen ? `${drawn} of ${chosen} curves drawn` : "";
+    this.all.hidden = drawn === chosen;
     this.draw();
   }
 }
 
-document.querySelectorAll("[data-chart]").forEach((figure, i) => new Chart(figure, DATA.charts[i], i));
+document.querySelectorAll("[data-chart]").forEach((figure, i) => choosers.push(new Chart(figure, DATA.charts[i], i)));
+chooserBar(document.getElementById("choose"));

@@ -8,9 +8,9 @@ import numpy as np
 import numpy.typing as npt
 
 from visitlab_cli.analysis.exact_values import Possible, possible
+from visitlab_cli.colours import Look, looks_of
 from visitlab_cli.config.experiments import Visit
 from visitlab_cli.execution.cells import Cell
-from visitlab_cli.report.hues import COLOURS, Hues
 from visitlab_cli.report.names import names_within
 from visitlab_cli.results.curves import curve_of
 from visitlab_cli.results.groups import Group
@@ -22,6 +22,8 @@ MOST_POINTS = 100
 """Of a curve."""
 ALL_POINTS, FEWEST_POINTS = 40_000, 10
 """Of a page: the curves of a large grid share so many, and each may have at least so few."""
+MOST_TOGETHER = 8
+"""Visits as long share a chart where it has no more curves than these."""
 ENOUGH_TRIALS, ENOUGH_POINTS = 10, 15
 """A point is the mean of so many trials, of fewer where a curve would have fewer points than these."""
 DIGITS = 3
@@ -30,12 +32,15 @@ DIGITS = 3
 class Curve(NamedTuple):
     """Mean reward a trial in batches of trials, and half its 95% interval (None for one seed).
 
-    `end` is where the last batch ends, in the chart's units; `n` counts independent seeds; `batch` are the fewest and
-    the most trials of a batch.
+    `line` is the place of its group in the table of results, `hue` and `marker` are its agent's. `end` is where the
+    last batch ends, in the chart's units; `n` counts independent seeds; `batch` are the fewest and the most trials of
+    a batch.
     """
 
     name: str
+    line: int
     hue: int
+    marker: str
     end: int
     n: int
     batch: tuple[int, int]
@@ -82,21 +87,22 @@ def charts_of(run: Path, groups: Sequence[Group]) -> list[Chart]:
         RunError: a table of trials is damaged.
     """
     points = max(FEWEST_POINTS, min(MOST_POINTS, ALL_POINTS // max(1, len(groups))))
-    varied, hues = varying(group.point for group in groups), Hues()
+    varied = varying(group.point for group in groups)
+    looks = looks_of(agent for group in groups for agent in group.cells[0].config.agents)
+    lines = {group.path: line for line, group in enumerate(groups)}
     begun = [group for group in groups if _done(run, group)]
     charts = []
     for members in _together(begun):
-        names, colours = names_within(members, varied), hues.of_chart(members)
         curves = [
-            _curve(run, _done(run, group), name, hue, points)
-            for name, hue, group in zip(names, colours, members, strict=True)
+            _curve(run, _done(run, group), (name, lines[group.path]), looks[group.agent], points)
+            for name, group in zip(names_within(members, varied), members, strict=True)
         ]
         charts.append(_chart(members, curves))
     return charts
 
 
 def _together(groups: Sequence[Group]) -> list[list[Group]]:
-    """The groups of each chart: of an experiment, or of visits as long, if their colours suffice."""
+    """The groups of each chart: of an experiment, or of visits as long, if these are few."""
     experiments: dict[str, list[Group]] = {}
     for group in groups:
         experiments.setdefault(group.experiment, []).append(group)
@@ -107,7 +113,7 @@ def _together(groups: Sequence[Group]) -> list[list[Group]]:
     charts: list[list[Group]] = []
     for several in alike.values():
         as_one = [group for members in several for group in members]
-        charts += [as_one] if len(as_one) <= COLOURS else several
+        charts += [as_one] if len(as_one) <= MOST_TOGETHER else several
     return charts
 
 
@@ -132,13 +138,13 @@ def _done(run: Path, group: Group) -> list[Cell]:
     return [cell for cell in group.cells if read_cell(run / cell.path) is not None]
 
 
-def _curve(run: Path, cells: Sequence[Cell], name: str, hue: int, points: int) -> Curve:
+def _curve(run: Path, cells: Sequence[Cell], named: tuple[str, int], look: Look, points: int) -> Curve:
     found = curve_of(run, cells, batch_edges(cells[0].trials, points))
     mean = [round(float(value), DIGITS) for value in found.mean]
     half = [round(float(value), DIGITS) for value in found.half] if found.counted.n > 1 else None
     sizes = np.diff(found.edges)
     end = int(found.edges[-1]) * found.trial
-    return Curve(name, hue, end, found.counted.n, (int(sizes.min()), int(sizes.max())), mean, half)
+    return Curve(*named, look.hue, look.marker, end, found.counted.n, (int(sizes.min()), int(sizes.max())), mean, half)
 
 
 def batch_edges(trials: int, most: int) -> npt.NDArray[np.int64]:

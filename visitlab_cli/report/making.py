@@ -11,8 +11,10 @@ from visitlab_cli.report.best_trial import best_trials
 from visitlab_cli.report.curves import Chart, charts_of
 from visitlab_cli.report.facts import Facts
 from visitlab_cli.report.page import BEGINNING, render
+from visitlab_cli.results.against_script import against_script
 from visitlab_cli.results.evaluated import evaluated
 from visitlab_cli.results.expected import Result, results
+from visitlab_cli.results.marginal import marginals
 from visitlab_cli.results.pairs import AGENT, Pair, compare_by
 from visitlab_cli.results.summary import summaries
 from visitlab_cli.storage.cell_folder import SOURCES, one_line, read_cell
@@ -44,7 +46,18 @@ def gather(run: Path) -> Report:
     groups = [line.group for line in lines]
     played = [line for those in evaluated(run, config).values() for line in summaries(run, those)]
     expected, versions = _expected(run, config, cells), _versions(run, cells)
-    facts = Facts(run_name(config), config, cells, lines, played, _pairs(run, cells), expected, versions)
+    facts = Facts(
+        name=run_name(config),
+        config=config,
+        cells=cells,
+        summaries=lines,
+        evaluated=played,
+        pairs=_pairs(run, cells),
+        against_script=against_script(run, groups),
+        marginals=marginals(run, groups),
+        expected=expected,
+        versions=versions,
+    )
     return Report(facts, charts_of(run, groups), best_trials(run, groups))
 
 

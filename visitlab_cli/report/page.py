@@ -7,9 +7,12 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from visitlab_cli.colours import PALETTE
+from visitlab_cli.report.choices import Choices
 from visitlab_cli.report.curves import Chart
-from visitlab_cli.report.differences import differences
+from visitlab_cli.report.differences import against_script, differences
 from visitlab_cli.report.facts import Facts
+from visitlab_cli.report.marginal_table import marginal_means
 from visitlab_cli.report.markup import Html, element
 from visitlab_cli.report.results_table import results
 from visitlab_cli.report.sections import charts, head, repeat, trial, what_was_run
@@ -24,11 +27,13 @@ from visitlab_cli.world.enums import DISTANCE_NAMES
 BEGINNING = "<!doctype html>\n<!-- a report of visitlab -->\n"
 """How every report begins: what begins otherwise is somebody else's file."""
 HERE = Path(__file__).parent
-STYLES = ("page.css", "parts.css")
-SCRIPTS = ("page.js", "chart.js", "lab.js", "player.js")
+STYLES = ("page.css", "tables.css", "parts.css")
+SCRIPTS = ("page.js", "choose.js", "chart.js", "lab.js", "player.js")
 SECTIONS = {
     "run": "What was run",
     "results": "Results",
+    "marginal": "Marginal means",
+    "script": "Learned against the script",
     "differences": "Agents compared",
     "curves": "Learning curves",
     "trial": "Best trial",
@@ -38,23 +43,37 @@ _ESCAPES = {"<": "\\u003c", ">": "\\u003e", "&": "\\u0026"}
 
 def render(facts: Facts, curves: Sequence[Chart], trials: Sequence[dict[str, Any]]) -> str:
     """The page of a run."""
-    style, script = _joined(STYLES), _joined(SCRIPTS)
-    titles = {name: title for name, title in SECTIONS.items() if name != "differences" or facts.pairs}
+    style, script = Html(_palette() + _joined(STYLES)), _joined(SCRIPTS)
+    choices = Choices(facts.lines)
+    parts = {
+        "run": what_was_run(facts, SECTIONS["run"]),
+        "results": results(facts, choices, SECTIONS["results"]),
+        "marginal": marginal_means(facts, choices, SECTIONS["marginal"]),
+        "script": against_script(facts, choices, SECTIONS["script"]),
+        "differences": differences(facts, choices, SECTIONS["differences"]),
+        "curves": charts(curves, SECTIONS["curves"]),
+        "trial": trial(facts, trials, SECTIONS["trial"]),
+    }
+    titles = {name: SECTIONS[name] for name, part in parts.items() if part is not None}
+    data = {
+        "charts": [chart.as_json() for chart in curves],
+        "choices": choices.as_json(),
+        "trials": list(trials),
+        "story": _story(),
+    }
     body = element(
         "body",
         element("a", "Skip to the results", class_="skip", href="#results"),
         head(facts, titles | {"repeat": "Repeat it"}),
         element(
             "main",
-            what_was_run(facts, SECTIONS["run"]),
-            results(facts, SECTIONS["results"]),
-            differences(facts, SECTIONS["differences"]),
-            charts(curves, SECTIONS["curves"]),
-            trial(facts, trials, SECTIONS["trial"]),
+            parts["run"],
+            element("div", id="choose"),
+            *list(parts.values())[1:],
             repeat(facts),
         ),
         element("footer", "Written by visitlab report. This page asks the network for nothing."),
-        _data({"charts": [chart.as_json() for chart in curves], "trials": list(trials), "story": _story()}),
+        _data(data),
         element("script", script),
     )
     return f'{BEGINNING}<html lang="en">{_header(facts.name, style, script)}{body}</html>\n'
@@ -78,6 +97,14 @@ def _header(title: str, style: Html, script: Html) -> Html:
 
 def _joined(names: Sequence[str]) -> Html:
     return Html("".join((HERE / name).read_text(encoding="utf-8") for name in names))
+
+
+def _palette() -> str:
+    """The colours of agents, for light and dark pages."""
+    rules = [
+        f".colour-{place} {{ --hue: light-dark({paint.light}, {paint.dark}); }}" for place, paint in enumerate(PALETTE)
+    ]
+    return "\n".join((*rules, ""))
 
 
 def _digest(text: str) -> str:

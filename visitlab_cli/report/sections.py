@@ -9,7 +9,6 @@ from visitlab_cli.config.grid import value_in_words
 from visitlab_cli.config.model import Config
 from visitlab_cli.report.curves import Chart
 from visitlab_cli.report.facts import Facts, counted
-from visitlab_cli.report.hues import COLOURS
 from visitlab_cli.report.markup import Html, element
 from visitlab_cli.report.names import breakable
 from visitlab_cli.storage.cell_folder import SOURCES
@@ -112,10 +111,11 @@ def charts(curves: Sequence[Chart], title: str) -> Html:
     if not curves:
         return section("curves", title, element("p", "No cell is finished yet.", class_="note"))
     note = (
-        "Mean reward a trial; above each chart stands how many trials a point is the mean of. Bands, drawn for up to "
-        f"{COLOURS} curves, are 95% intervals of the mean over seeds (Student's t). Visits of the same length share a "
-        f"chart where it has no more than {COLOURS} curves. Press a name to switch it off and on, with Shift to see it "
-        "alone. Point at a chart, or focus it and use the arrow keys, to read it."
+        "Mean reward a trial; above each chart stands how many trials a point is the mean of. Bands, for up to four "
+        "curves, are 95% intervals of the mean over seeds (Student's t). An agent has one colour and marker on the "
+        "whole page; dashes and shades tell its curves apart. Of many curves the first ones are drawn: press a name to "
+        "switch it on and off, with Shift to see it alone. Point at a chart, or focus it and use the arrow keys, to "
+        "read it."
     )
     frames = [
         element("figure", element("noscript", WITHOUT_SCRIPT), class_="chart", data_chart=number)
