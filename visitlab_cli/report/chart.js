@@ -189,7 +189,7 @@ class Chart {
     this.names.forEach((name, i) => {
       name.setAttribute("aria-pressed", String(on[i]));
       name.querySelector("svg")?.remove();
-      name.prepend(this.sample(i));
+      if (on[i]) name.prepend(this.sample(i));
     });
     this.few.textContent = drawn < chosen ? `${drawn} of ${chosen} curves drawn` : "";
     this.all.hidden = drawn === chosen;

@@ -104,7 +104,6 @@ class Table {
     const cut = !this.whole && count > most;
     this.told.textContent = `${cut ? `${most} of ` : ""}${count} ${count === 1 ? "line" : "lines"}${count < all ? `, chosen of ${all}` : ""}`;
     this.more.hidden = count <= most;
-    this.fit();
     this.more.textContent = this.whole ? `Show ${most} lines` : `Show all ${count} lines`;
   }
 }
