@@ -65,6 +65,7 @@ def test_running_again_does_only_what_is_missing(run):
     shutil.rmtree(missing[0])
     (missing[1] / "seed-0000" / "model.npz").write_bytes(b"cut short")
     (run / ".tmp-left-behind").mkdir()
+    os.utime(run / ".tmp-left-behind", (1, 1))
     done = visitlab("run", TINY, "--out", run.parent)
     assert "2 of 17 cells to do" in done.stderr
     assert hashes(run) == expected

@@ -176,6 +176,7 @@ def test_verify_of_an_edited_config(run):
 
 def test_prune(run):
     (run / ".tmp-left").mkdir()
+    os.utime(run / ".tmp-left", (1, 1))
     (run / "navigation/mf/seed-0000/cell.json").unlink()
     code, out, _ = tell("runs", "prune", run, "--dry-run")
     assert (code, out) == (0, "would remove .tmp-left\nwould remove navigation/mf/seed-0000\n")

@@ -8,7 +8,7 @@ import sys
 import pytest
 
 from visitlab_cli.errors import RunError
-from visitlab_cli.storage.cell_folder import NewCell, read_cell, remove_leftovers
+from visitlab_cli.storage.cell_folder import NewCell, lock_of, read_cell, remove_leftovers
 
 FACTS = {
     "cell": "a/b/seed-0000",
@@ -141,10 +141,11 @@ def test_what_the_dead_left_is_removed_and_what_the_living_write_is_not(tmp_path
         "os._exit(9)\n"
     )
     subprocess.run([sys.executable, "-c", program, str(tmp_path)], check=False, env=os.environ)
-    assert len(list(tmp_path.glob(".tmp-dead-*"))) == 1
+    assert len(list(tmp_path.glob(".tmp-dead-*"))) == 2  # the folder and its lock file
     with NewCell(tmp_path, "alive") as new:
         remove_leftovers(tmp_path)
-        assert list(tmp_path.iterdir()) == [new.folder]
+        assert set(tmp_path.iterdir()) == {new.folder, lock_of(new.folder)}
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_the_same_facts_are_the_same_text(tmp_path):

@@ -7,6 +7,8 @@ import pytest
 
 from visitlab_cli.errors import NotFoundError, RunError, UsageError
 from visitlab_cli.storage.cell_folder import NewCell
+from visitlab_cli.storage.locks import being_written
+from visitlab_cli.storage.on_disk import OF_REPORT
 from visitlab_cli.storage.removal import prune, remove_run
 
 RUN = "lab-01234567"
@@ -53,6 +55,7 @@ def test_prune_removes_leftovers_and_damaged_cells_only(run):
         (run / damaged / "cell.json").rename(run / damaged / "cell.json.damaged")
     (run / ".tmp-navigation-0123").mkdir()
     (run / ".tmp-navigation-0123" / "steps.mcap").touch()
+    os.utime(run / ".tmp-navigation-0123", (1, 1))
     (run / ".tmp-config.yaml-0123").touch()
     os.utime(run / ".tmp-config.yaml-0123", (1, 1))
     (run / "versions.json.damaged").touch()
@@ -83,6 +86,7 @@ def test_prune_keeps_what_is_being_written_and_what_is_not_ours(run):
         assert told.removed == []
         assert told.kept == {
             new.folder.name: "is being written",
+            f"{new.folder.name}.lock": "is being written",
             ".tmp-config.yaml-0123": "is being written",
             "navigation/mf/seed-0001": "holds steps.recovered.mcap, which is not visitlab's",
         }
@@ -107,8 +111,10 @@ def test_links_are_removed_and_never_followed(run, tmp_path):
 def test_a_run_with_all_that_visitlab_writes_is_removed(run, tmp_path):
     (run / "figures").mkdir()
     (run / "figures" / "fig6.svg").touch()
-    (run / "report.html").touch()
+    (run / "report.html").write_bytes(OF_REPORT + b"<html>")
+    (run / ".lock").touch()
     (run / ".tmp-left").mkdir()
+    os.utime(run / ".tmp-left", (1, 1))
     (run / "evaluations" / "01234567").mkdir(parents=True)
     (run / "evaluations" / "01234567" / "matrix.svg").touch()
     remove_run(run)
@@ -142,6 +148,8 @@ REFUSED = {
     "a file of mine": (foreign("notes.txt"), RunError, "holds notes.txt, which is not visitlab's"),
     "a folder of mine": (foreign("thesis/chapter.tex"), RunError, "holds thesis/chapter.tex"),
     "mine in a cell": (foreign(f"{CELL}/notes.txt"), RunError, f"holds {CELL}/notes.txt"),
+    "a picture of mine": (foreign("figures/mine.svg"), RunError, "holds figures/mine.svg"),
+    "a page of mine": (foreign("report.html"), RunError, "holds report.html"),
     "a model of mine": (foreign("navigation/model.npz"), RunError, "holds navigation/model.npz"),
 }
 
@@ -163,3 +171,14 @@ def test_what_cannot_be_removed_is_one_line_and_still_a_run(run, monkeypatch):
     with pytest.raises(RunError, match="navigation: can't be removed: Permission denied$"):
         remove_run(run)
     assert (run / "config.yaml").exists()
+
+
+@pytest.mark.parametrize("remove", [remove_run, prune])
+def test_a_run_that_somebody_writes_in_is_not_touched_even_between_two_cells(run, remove):
+    before = names(run)
+    with being_written(run), being_written(run):
+        with pytest.raises(RunError, match="is being written; stop that first"):
+            remove(run)
+        assert set(before) <= set(names(run))
+    assert names(run) == before
+    remove(run)

@@ -122,15 +122,15 @@ def test_a_timing_that_cannot_be_read_is_noted(run, damage):
 def test_files_of_the_users_are_noted(run):
     (run / "figures").mkdir()
     (run / "evaluations/01234567/visit/fast/seed-0000").mkdir(parents=True)
-    ours = ["figures/mine.svg", "report.html", "evaluations/01234567/evaluation.json"]
+    ours = ["figures/fig6.svg", "evaluations/01234567/evaluation.json"]
     ours += ["evaluations/01234567/visit/fast/seed-0000/model.npz"]
     theirs = ["ideas.md", f"{CELLS[0]}/notes.txt", "evaluations/notes.txt"]
-    theirs += ["evaluations/01234567/visit/fast/seed-0000/notes.txt"]
+    theirs += ["evaluations/01234567/visit/fast/seed-0000/notes.txt", "figures/mine.svg", "report.html"]
     for name in ours + theirs:
         (run / name).touch()
     (note,) = told(run)
     assert note.startswith("not visitlab's: ideas.md, ")
-    assert note.endswith(" and 1 more")
+    assert note.endswith(" and 3 more")
     for name in theirs[:1] + theirs[2:]:
         (run / name).unlink()
     assert told(run) == [f"not visitlab's: {CELLS[0]}/notes.txt"]

@@ -93,6 +93,25 @@ def _disk(out: Path) -> Iterator[Finding]:
         yield Finding("runs", f"{out}: {free / 1e9:.0f} GB free")
 
 
+def _locks(out: Path) -> Iterator[Finding]:
+    from visitlab_cli.storage.locks import what_works
+
+    there = next(place for place in (out.absolute(), *out.absolute().parents) if place.exists())
+    if not (there.is_dir() and os.access(there, os.W_OK)):
+        return  # told already
+    for what, problem in what_works(there).items():
+        advice = {
+            "locks": "what killed runs left is known by their processes, and of other machines by an hour of silence",
+            "renames": "no cell can be finished there; choose another folder with --out",
+            "syncs": "what is finished may be lost when the machine loses power",
+        }[what]
+        if problem:
+            state: Literal["note", "problem"] = "problem" if what == "renames" else "note"
+            yield Finding(what, f"{there}: {problem}: {advice}", state)
+        else:
+            yield Finding(what, f"{there}: works")
+
+
 def _viewer(out: Path) -> Iterator[Finding]:
     from visitlab_cli.errors import UsageError
     from visitlab_cli.replay.viewer import check_display
@@ -104,4 +123,4 @@ def _viewer(out: Path) -> Iterator[Finding]:
         yield Finding("viewer", str(error), "note")
 
 
-LOOKS: tuple[Callable[[Path], Iterator[Finding]], ...] = (_versions, _cores, _cache, _disk, _viewer)
+LOOKS: tuple[Callable[[Path], Iterator[Finding]], ...] = (_versions, _cores, _cache, _disk, _locks, _viewer)

@@ -13,6 +13,7 @@ from visitlab_cli.terminal import plain, tell, tell_json, tell_text
 if TYPE_CHECKING:
     from visitlab_cli.config.model import Config
     from visitlab_cli.execution.cells import Cell
+    from visitlab_cli.execution.progress import Progress
     from visitlab_cli.execution.runner import Failures
     from visitlab_cli.results.expected import Result
 
@@ -38,18 +39,22 @@ def run_config(out: Path, config: "Config", cells_of: "Callable[[Config], list[C
     from visitlab_cli.execution.versions import versions
     from visitlab_cli.results.expected import check_expected
     from visitlab_cli.storage.nearest import news_of
-    from visitlab_cli.storage.run_folder import mend_config, open_run, run_name
+    from visitlab_cli.storage.run_folder import mend_config, open_run, run_folder, run_name
 
     check_expected(config, plan(config))
     if not how.quiet and (news := news_of(out, config)):
         tell(news, err=True)
     if how.dry_run:
         folder = out / run_name(config)
-    else:
+        run_and_tell(folder, config, cells_of(config), how)
+        return
+    from visitlab_cli.storage.locks import being_written
+
+    with being_written(run_folder(out, config), lambda line: tell(line, err=True)):
         if mended := mend_config(out, config):
             tell(mended, err=True)
         folder, config = open_run(out, config, versions())
-    run_and_tell(folder, config, cells_of(config), how)
+        run_and_tell(folder, config, cells_of(config), how)
 
 
 def run_and_tell(run: Path, config: "Config", cells: "Sequence[Cell]", how: How) -> None:
@@ -90,18 +95,26 @@ def run_missing(run: Path, cells: "Sequence[Cell]", how: How) -> "Failures | Non
 
         tell_plan(run, cells, workers=workers, as_json=how.as_json)
         return None
+    from visitlab_cli.execution.progress import Progress
+    from visitlab_cli.storage.locks import being_written
+
+    with being_written(run):
+        return _run_missing(run, cells, workers, Progress(how.quiet, how.verbose))
+
+
+def _run_missing(run: Path, cells: "Sequence[Cell]", workers: int, progress: "Progress") -> "Failures":
     from visitlab_cli.commands.dry_run import duration
     from visitlab_cli.commands.runs_words import size_in_words
     from visitlab_cli.execution.estimate import estimate
-    from visitlab_cli.execution.progress import Progress
     from visitlab_cli.execution.runner import missing_cells, run_cells
     from visitlab_cli.execution.warm_up import warm_up
     from visitlab_cli.sources import sources
+    from visitlab_cli.storage.inside import check_all_inside
     from visitlab_cli.storage.made_by import continued, made_by
     from visitlab_cli.storage.on_disk import bytes_below
     from visitlab_cli.storage.run_folder import edited
 
-    progress = Progress(how.quiet, how.verbose)
+    check_all_inside(run, [path for cell in cells for path in (cell.path, *cell.modules.values())])
     if cells and (note := edited(run, cells[0].run_hash)):
         progress.say(note)
     missing = missing_cells(run, cells)

@@ -32,12 +32,14 @@ def command(
     from visitlab_cli.execution.evaluation import unknown_evaluations
     from visitlab_cli.execution.versions import versions
     from visitlab_cli.results.evaluated import evaluated
-    from visitlab_cli.storage.on_disk import OPTIONS
-    from visitlab_cli.storage.run_folder import CONFIG, find_run, read_config
+    from visitlab_cli.storage.inside import check_all_inside
+    from visitlab_cli.storage.on_disk import EVALUATIONS, OPTIONS
+    from visitlab_cli.storage.run_folder import CONFIG, VERSIONS, find_run, read_config
     from visitlab_cli.storage.verify import Fault, set_faults_aside, verify
     from visitlab_cli.storage.verify_notes import notes
 
     folder = find_run(run, out)
+    check_all_inside(folder, (CONFIG, VERSIONS, EVALUATIONS))
     config: Config | None
     try:
         config = read_config(folder)
@@ -45,6 +47,7 @@ def command(
         played = [cell for cells in evaluated(folder, config).values() for cell in cells]
     except VisitlabError:  # `verify` says what is wrong with the config
         config, planned, played = None, [], []
+    check_all_inside(folder, [cell.path for cell in [*planned, *played]])
     checked = verify(folder, {cell.path: cell.steps for cell in [*planned, *played]}, versions())
     options = [Fault(path, OPTIONS, "missing or damaged") for path in unknown_evaluations(folder)]
     checked = checked._replace(faults=[*checked.faults, *options])

@@ -48,7 +48,12 @@ def run_cell(run: Path, cell: Cell, report: Report) -> None:
     random = random_state(cell.config.seed, cell.path, STREAM)
     with NewCell(run, cell.path) as new:
         with _recorder(cell, new.folder / STEPS) as record:
-            trial_rewards, playing = simulate(simulation, random, record, report)
+
+            def alive(steps: int) -> None:
+                new.beat()
+                report(steps)
+
+            trial_rewards, playing = simulate(simulation, random, record, alive)
         write_trials(new.folder / TRIALS, trial_rewards, with_goals=cell.task == VISIT)
         write_model(new.folder / MODEL, saved_model(simulation, random))
         seconds = time.perf_counter() - started

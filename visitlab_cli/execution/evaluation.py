@@ -9,6 +9,7 @@ from typing import Any
 from visitlab_cli.config.model import Config
 from visitlab_cli.errors import RunError
 from visitlab_cli.storage.cell_folder import one_line, to_json
+from visitlab_cli.storage.inside import check_inside, is_real
 from visitlab_cli.storage.on_disk import EVALUATIONS, OPTIONS
 from visitlab_cli.whole_file import write_whole
 
@@ -65,6 +66,7 @@ def record_evaluation(run: Path, evaluation: Evaluation) -> None:
     if not evaluation.folder:
         return
     file = run / evaluation.folder / OPTIONS
+    check_inside(run, file)
     if _read(file) != evaluation:
         try:
             file.parent.mkdir(parents=True, exist_ok=True)
@@ -75,15 +77,21 @@ def record_evaluation(run: Path, evaluation: Evaluation) -> None:
 
 def recorded_evaluations(run: Path) -> list[Evaluation]:
     """The evaluations of a run, those of a module together; without those whose file does not fit its folder."""
-    files = run.glob(f"{EVALUATIONS}/*/{OPTIONS}")
+    files = [folder / OPTIONS for folder in _folders(run)]
     found = [each for file in files if (each := _read(file)) is not None]
     return sorted(found, key=lambda each: (each.social, not each.frozen, each.trials or 0, each.humans))
 
 
 def unknown_evaluations(run: Path) -> list[str]:
     """The folders of evaluations, below the run, whose options are missing, damaged, or those of another folder."""
-    folders = [path for path in sorted(run.glob(f"{EVALUATIONS}/*")) if path.is_dir()]
-    return [folder.relative_to(run).as_posix() for folder in folders if _read(folder / OPTIONS) is None]
+    return [folder.relative_to(run).as_posix() for folder in _folders(run) if _read(folder / OPTIONS) is None]
+
+
+def _folders(run: Path) -> list[Path]:
+    """Those of evaluations; no link is followed."""
+    if not is_real(run / EVALUATIONS):
+        return []
+    return [path for path in sorted((run / EVALUATIONS).iterdir()) if is_real(path)]
 
 
 def _read(file: Path) -> Evaluation | None:

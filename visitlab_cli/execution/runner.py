@@ -18,6 +18,7 @@ from visitlab_cli.execution.silence import Silence
 from visitlab_cli.execution.workers import OtherCodeError, Workers
 from visitlab_cli.stopping import check_asked, ending_signals
 from visitlab_cli.storage.cell_folder import read_cell, remove_leftovers
+from visitlab_cli.storage.inside import check_all_inside
 
 POLL_SECONDS = 0.1
 DEATHS_GIVEN_UP = 3
@@ -38,6 +39,7 @@ def run_cells(run: Path, cells: Sequence[Cell], workers: int, progress: Progress
         RunError: a worker has imported other code than this process.
         Interrupted: by Ctrl-C, SIGTERM or SIGHUP; what was finished is kept.
     """
+    check_all_inside(run, [cell.path for cell in cells])
     for evaluation in {cell.evaluation for cell in cells}:
         record_evaluation(run, evaluation)
     remove_leftovers(run)

@@ -1,6 +1,7 @@
 """All figures of a run as files in its folder."""
 
 from collections.abc import Callable, Sequence
+from contextlib import nullcontext
 from pathlib import Path
 from typing import NamedTuple
 
@@ -11,6 +12,8 @@ from visitlab_cli.figures.fig9 import Strip, draw_fig9
 from visitlab_cli.figures.learning_figure import draw_fig6, draw_fig8
 from visitlab_cli.figures.source import Source, open_source
 from visitlab_cli.pictures.style import FORMATS, STRIP_STYLE, STYLE, save, styled
+from visitlab_cli.storage.inside import check_inside
+from visitlab_cli.storage.locks import being_written
 
 FOLDER = "figures"
 DRAW: dict[str, Callable[[Source], Drawing]] = {"fig6": draw_fig6, "fig7": draw_fig7, "fig8": draw_fig8}
@@ -48,17 +51,25 @@ def make_figures(
         if name not in NAMES:
             raise UsageError(f"--only {name}: no such figure; there are {', '.join(NAMES)}")
     source = open_source(run)
+    with being_written(run) if into is None else nullcontext():
+        if into is None:
+            check_inside(run, run / FOLDER)
+        made = _make(source, strip, [name for name in NAMES if not only or name in only], kind, into or run / FOLDER)
+    if not made.files:
+        raise NotFoundError(f"{run}: holds nothing for {', '.join(made.notes)}; configs/paper/ has what each needs")
+    return made
+
+
+def _make(source: Source, strip: Strip, names: Sequence[str], kind: str, into: Path) -> Made:
     made = Made([], {})
-    for name in [name for name in NAMES if not only or name in only]:
+    for name in names:
         with styled(STRIP_STYLE if name == FIG_9 else STYLE):
             drawing = _draw(source, name, strip)
             made.notes[name] = list(drawing.notes)
             if drawing.figure is not None:
-                target = (into or run / FOLDER) / f"{name}.{kind}"
+                target = into / f"{name}.{kind}"
                 save(drawing.figure, target)
                 made.files.append(target)
-    if not made.files:
-        raise NotFoundError(f"{run}: holds nothing for {', '.join(made.notes)}; configs/paper/ has what each needs")
     return made
 
 

@@ -10,7 +10,7 @@ from visitlab_cli.execution.cells import Cell, plan
 from visitlab_cli.report.best_trial import best_trials
 from visitlab_cli.report.curves import Chart, charts_of
 from visitlab_cli.report.facts import Facts
-from visitlab_cli.report.page import BEGINNING, render
+from visitlab_cli.report.page import render
 from visitlab_cli.results.against_script import against_script
 from visitlab_cli.results.evaluated import evaluated
 from visitlab_cli.results.expected import Result, results
@@ -18,11 +18,12 @@ from visitlab_cli.results.marginal import marginals
 from visitlab_cli.results.pairs import AGENT, Pair, compare_by
 from visitlab_cli.results.summary import summaries
 from visitlab_cli.storage.cell_folder import SOURCES, one_line, read_cell
+from visitlab_cli.storage.inside import check_inside
+from visitlab_cli.storage.locks import being_written
 from visitlab_cli.storage.made_by import sources_of
+from visitlab_cli.storage.on_disk import OF_REPORT, REPORT
 from visitlab_cli.storage.run_folder import read_config, read_versions, run_name
 from visitlab_cli.whole_file import write_whole
-
-FILE = "report.html"
 
 
 class Report(NamedTuple):
@@ -92,9 +93,16 @@ def make_report(run: Path, target: Path | None = None) -> Path:
         UsageError: `target` is there and no report.
         RunError: the run is damaged, or the file cannot be written.
     """
-    file = target or run / FILE
-    _check(file)
-    write_whole(file, render(*gather(run)).encode())
+    file = target or run / REPORT
+    page = render(*gather(run)).encode()
+    if target is not None:
+        _check(file)
+        write_whole(file, page)
+        return file
+    with being_written(run):
+        check_inside(run, file)
+        _check(file)
+        write_whole(file, page)
     return file
 
 
@@ -102,7 +110,7 @@ def _check(file: Path) -> None:
     """Refuse to take the place of anything but a report."""
     try:
         with file.open("rb") as there:
-            ours = there.read(len(BEGINNING)) == BEGINNING.encode()
+            ours = there.read(len(OF_REPORT)) == OF_REPORT
     except (FileNotFoundError, NotADirectoryError):
         return
     except OSError as error:

@@ -22,10 +22,9 @@ from visitlab_cli.scene.scene import TRAIL_STEPS
 from visitlab_cli.scene.shapes import Area, Line, Polygon, Role, Shape
 from visitlab_cli.scene.sight import FACES_DEGREES, SEES_DEGREES
 from visitlab_cli.scene.words import LEVEL_NAMES
+from visitlab_cli.storage.on_disk import OF_REPORT
 from visitlab_cli.world.enums import DISTANCE_NAMES
 
-BEGINNING = "<!doctype html>\n<!-- a report of visitlab -->\n"
-"""How every report begins: what begins otherwise is somebody else's file."""
 HERE = Path(__file__).parent
 STYLES = ("page.css", "tables.css", "parts.css")
 SCRIPTS = ("page.js", "choose.js", "chart.js", "lab.js", "player.js")
@@ -76,7 +75,7 @@ def render(facts: Facts, curves: Sequence[Chart], trials: Sequence[dict[str, Any
         _data(data),
         element("script", script),
     )
-    return f'{BEGINNING}<html lang="en">{_header(facts.name, style, script)}{body}</html>\n'
+    return f'{OF_REPORT.decode()}<html lang="en">{_header(facts.name, style, script)}{body}</html>\n'
 
 
 def _header(title: str, style: Html, script: Html) -> Html:

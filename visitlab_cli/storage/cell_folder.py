@@ -2,11 +2,11 @@
 
 Files are written in a hidden folder beside the cells, flushed to the disk, and the folder is renamed to its place.
 In the place of a damaged cell its files are renamed one by one instead, `cell.json` last, for the user may keep
-files there. While it is written its folder is locked, so that what a killed process left can be told from what
-another one is still writing.
+files there. While it is written a file beside the hidden folder is locked (`locks.py`), so that what a killed process
+left can be told from what another one is still writing.
 """
 
-import fcntl
+import contextlib
 import hashlib
 import json
 import os
@@ -18,6 +18,8 @@ from typing import Any, Self
 
 from visitlab_cli.errors import RunError
 from visitlab_cli.sources import is_sources
+from visitlab_cli.storage.inside import check_inside
+from visitlab_cli.storage.locks import Heart, HeldError, is_abandoned, lock, older_than_an_hour
 
 CELL_FORMAT = 1
 FACTS: dict[str, type | tuple[type, ...]] = {
@@ -34,7 +36,7 @@ FACTS: dict[str, type | tuple[type, ...]] = {
 SOURCES = "sources"
 """What it says, too, but for cells of version 0.1.0: the hash of the code that made it."""
 STEPS, TRIALS, MODEL, CELL, TIMING = "steps.mcap", "trials.parquet", "model.npz", "cell.json", "timing.json"
-TEMPORARY = ".tmp-"
+TEMPORARY, LOCK = ".tmp-", ".lock"
 DAMAGED = ".damaged"
 """How the name of a file ends that was set aside."""
 OF_CELLS = frozenset(name + ending for name in (STEPS, TRIALS, MODEL, CELL, TIMING) for ending in ("", DAMAGED))
@@ -91,24 +93,35 @@ class NewCell:
         """Begin the cell `path` (relative to the folder `run`)."""
         self.place = run / path
         self.folder = run / f"{TEMPORARY}{path.replace('/', '-')[:100]}-{uuid.uuid4().hex[:8]}"
-        self._lock = -1
+        self._run = run
 
     def __enter__(self) -> Self:
-        """Make the hidden folder and lock it."""
+        """Lock the file beside the hidden folder, then make that."""
+        check_inside(self._run, self.place)
         try:
-            self.folder.mkdir(parents=True)
-            self._lock = os.open(self.folder, os.O_RDONLY)
-            fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError as error:
-            raise RunError(f"{self.folder.parent}: can't be written: {one_line(error)}") from error
+            self._run.mkdir(parents=True, exist_ok=True)
+            held = lock(lock_of(self.folder))
+            try:
+                self.folder.mkdir()
+            except OSError:
+                held.release(remove=True)
+                raise
+        except (OSError, HeldError) as error:
+            why = reason(error) if isinstance(error, OSError) else "another holds its lock"
+            raise RunError(f"{self.folder.parent}: can't be written: {why}") from error
+        self._held, self._heart = held, Heart(held)
         return self
+
+    def beat(self) -> None:
+        """Give a sign of life, as whoever writes for long must."""
+        self._heart.beat()
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         """Remove what was not committed; a full disk becomes one clear line."""
         shutil.rmtree(self.folder, ignore_errors=True)
-        os.close(self._lock)
+        self._held.release(remove=True)
         if isinstance(error, OSError):
             raise RunError(f"{self.place}: can't be written: {one_line(error)}") from error
 
@@ -120,6 +133,7 @@ class NewCell:
         write_durably(self.folder / TIMING, to_json(timing))
         write_durably(self.folder / CELL, to_json({"format": CELL_FORMAT, **facts, "files": files}))
         sync(self.folder)
+        check_inside(self._run, self.place)
         self.place.parent.mkdir(parents=True, exist_ok=True)
         try:
             self.folder.rename(self.place)
@@ -144,6 +158,8 @@ class NewCell:
 
 def read_cell(place: Path) -> dict[str, Any] | None:
     """What `cell.json` says of a finished cell; None where the cell is missing, damaged or cut short."""
+    if place.is_symlink():
+        return None
     try:
         cell = json.loads((place / CELL).read_text(encoding="utf-8"))
         if cell["format"] != CELL_FORMAT:
@@ -157,18 +173,29 @@ def read_cell(place: Path) -> dict[str, Any] | None:
     return cell if whole else None
 
 
+def lock_of(folder: Path) -> Path:
+    """The lock file of a hidden folder, beside it."""
+    return folder.with_name(folder.name + LOCK)
+
+
+def is_left_over(path: Path) -> bool:
+    """Whether a hidden folder, or its lock file, is of somebody who is surely gone."""
+    file = path if path.name.endswith(LOCK) else lock_of(path)
+    if not file.is_symlink() and file.exists():
+        return is_abandoned(file)
+    return older_than_an_hour(path)  # of a version that had no lock files, or half removed
+
+
 def remove_leftovers(run: Path) -> None:
-    """Remove the hidden folders of processes that were killed; those still being written stay."""
-    for folder in run.glob(f"{TEMPORARY}*"):
-        try:
-            lock = os.open(folder, os.O_RDONLY)
-        except OSError:
+    """Remove what processes left that are surely gone, folders before their locks; what is being written stays."""
+    for path in sorted(run.glob(f"{TEMPORARY}*"), key=lambda path: path.name.endswith(LOCK)):
+        is_lock = path.name.endswith(LOCK) and path.is_file()
+        if path.is_symlink() or not (path.is_dir() or is_lock) or not is_left_over(path):
             continue
-        try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            if folder.is_dir():
-                shutil.rmtree(folder, ignore_errors=True)
-        except BlockingIOError:
-            pass
-        finally:
-            os.close(lock)
+        if is_lock:
+            with contextlib.suppress(OSError):
+                path.unlink()
+        else:
+            shutil.rmtree(path, ignore_errors=True)
+            with contextlib.suppress(OSError):
+                lock_of(path).unlink()

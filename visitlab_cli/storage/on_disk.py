@@ -11,6 +11,8 @@ from visitlab_cli.storage.cell_folder import DAMAGED, OF_CELLS, TEMPORARY
 
 EVALUATIONS, OPTIONS = "evaluations", "evaluation.json"
 """The folder of what was played with options of its own, and the file of the options in each of its folders."""
+REPORT, OF_REPORT = "report.html", b"<!doctype html>\n<!-- a report of visitlab -->\n"
+"""A run's page, and how each begins: what begins otherwise is the user's."""
 _SEED_FOLDER = re.compile(r"seed-\d+")
 
 

@@ -1,7 +1,7 @@
 """Taking things away: what is no use in a run, and a whole run. Never a file of the user's, never through a link."""
 
-import fcntl
 import os
+import re
 import shutil
 import time
 from collections.abc import Iterator
@@ -10,13 +10,24 @@ from typing import NamedTuple
 
 from visitlab_cli.config.names import RESERVED_EXPERIMENTS
 from visitlab_cli.errors import NotFoundError, RunError, UsageError, VisitlabError
-from visitlab_cli.storage.cell_folder import DAMAGED, OF_CELLS, TEMPORARY, one_line, read_cell
-from visitlab_cli.storage.on_disk import EVALUATIONS, OPTIONS, cell_folders, is_seed_folder, leftovers
+from visitlab_cli.storage.cell_folder import DAMAGED, LOCK, OF_CELLS, TEMPORARY, is_left_over, one_line, read_cell
+from visitlab_cli.storage.locks import RUN_LOCK, to_remove
+from visitlab_cli.storage.on_disk import (
+    EVALUATIONS,
+    OF_REPORT,
+    OPTIONS,
+    REPORT,
+    cell_folders,
+    is_seed_folder,
+    leftovers,
+)
 from visitlab_cli.storage.run_folder import CONFIG, VERSIONS, hash_of_name, is_run, read_config, read_versions, run_name
 
 YOUNG = 60.0
 """Seconds in which a temporary file may still be in use."""
 FIGURES = "figures"
+_FIGURE = re.compile(r"fig[6-9]\.(svg|png|pdf)")
+"""The pictures that `visitlab figures` draws into a run."""
 OF_EVALUATION = frozenset({OPTIONS, "matrix.svg"})
 """Files that visitlab writes, or wrote, in the folder of an evaluation."""
 
@@ -34,6 +45,13 @@ def prune(run: Path, dry_run: bool = False) -> Pruned:
     Raises:
         RunError: something can't be removed.
     """
+    if dry_run:
+        return _prune(run, dry_run)
+    with to_remove(run):
+        return _prune(run, dry_run)
+
+
+def _prune(run: Path, dry_run: bool) -> Pruned:
     damaged = [folder for folder in cell_folders(run) if read_cell(folder) is None]
     pruned = Pruned([], {})
     for path in [*leftovers(run), *sorted(run.glob(f"*{DAMAGED}")), *damaged]:
@@ -51,7 +69,8 @@ def prune(run: Path, dry_run: bool = False) -> Pruned:
 def _in_use(path: Path) -> str | None:
     if not path.name.startswith(TEMPORARY):
         return None
-    busy = _busy(path) if _is_folder(path) else time.time() - path.lstat().st_mtime < YOUNG
+    waits = _is_folder(path) or path.name.endswith(LOCK)
+    busy = not is_left_over(path) if waits else time.time() - path.lstat().st_mtime < YOUNG
     return "is being written" if busy else None
 
 
@@ -76,7 +95,7 @@ def check_removable(run: Path) -> None:
         raise NotFoundError(f"{run}: not a run (a run's folder is called name-hash and has {CONFIG} and {VERSIONS})")
     if hash_of_name(run) is None:
         raise RunError(f"{run}: was renamed, so that it may be kept; to remove it, rename it to {_name_made_with(run)}")
-    busy = [path.name for path in leftovers(run) if _is_folder(path) and _busy(path)]
+    busy = [path.name for path in leftovers(run) if _is_folder(path) and not is_left_over(path)]
     if busy:
         raise RunError(f"{run}: is being written ({busy[0]}); stop that first")
     foreign = next(foreign_files(run), None)
@@ -94,12 +113,15 @@ def _name_made_with(run: Path) -> str:
 
 def foreign_files(run: Path) -> Iterator[str]:
     """The files that visitlab did not write, as paths below the run; a link is none, for nothing is lost with it."""
-    top = {*RESERVED_EXPERIMENTS, *(name + DAMAGED for name in RESERVED_EXPERIMENTS)}
+    top = {RUN_LOCK, *RESERVED_EXPERIMENTS, *(name + DAMAGED for name in RESERVED_EXPERIMENTS)}
     for here, folders, files in os.walk(run):
         folder = Path(here)
         if folder == run:
-            folders[:] = [name for name in folders if name != FIGURES and not name.startswith(TEMPORARY)]
+            folders[:] = [name for name in folders if not name.startswith(TEMPORARY)]
             known = top | {name for name in files if name.startswith(TEMPORARY)}
+            known -= set() if _begins_with(folder / REPORT, OF_REPORT) else {REPORT}
+        elif folder == run / FIGURES:
+            known = {name for name in files if _FIGURE.fullmatch(name)}
         elif folder.parent == run / EVALUATIONS:
             known = set(OF_EVALUATION)
         else:
@@ -120,12 +142,14 @@ def remove_run(run: Path) -> None:
         as `check_removable`; RunError: something can't be removed.
     """
     check_removable(run)
-    for path in sorted(run.iterdir(), key=lambda path: path.name in (CONFIG, VERSIONS)):
-        _remove(path)
-    try:
-        run.rmdir()
-    except OSError as error:
-        raise RunError(f"{run}: can't be removed: {one_line(error)}") from error
+    with to_remove(run):
+        check_removable(run)
+        for path in sorted(run.iterdir(), key=lambda path: (path.name == RUN_LOCK, path.name in (CONFIG, VERSIONS))):
+            _remove(path)
+        try:
+            run.rmdir()
+        except OSError as error:
+            raise RunError(f"{run}: can't be removed: {one_line(error)}") from error
 
 
 def _remove(path: Path) -> None:
@@ -138,16 +162,11 @@ def _remove(path: Path) -> None:
         raise RunError(f"{path}: can't be removed: {one_line(error)}") from error
 
 
-def _busy(folder: Path) -> bool:
-    """Whether another process holds the lock of a folder that it is writing."""
+def _begins_with(file: Path, beginning: bytes) -> bool:
+    if file.is_symlink() or not file.is_file():
+        return True  # a link is removed and not followed; what is not there is nobody's
     try:
-        descriptor = os.open(folder, os.O_RDONLY)
-    except FileNotFoundError:
-        return True  # it was renamed to its place just now
-    try:
-        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        return True
-    finally:
-        os.close(descriptor)
-    return False
+        with file.open("rb") as stream:
+            return stream.read(len(beginning)) == beginning
+    except OSError:
+        return False

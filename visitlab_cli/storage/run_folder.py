@@ -25,6 +25,20 @@ def run_name(config: Config) -> str:
     return f"{config.name}-{config_hash(config)}"
 
 
+def run_folder(out: Path, config: Config) -> Path:
+    """The folder of a config's run below `out`, made if it is not there.
+
+    Raises:
+        RunError: it can't be made, or something else is there.
+    """
+    run = out / run_name(config)
+    try:
+        run.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise RunError(f"{run}: can't be written: {one_line(error)}") from error
+    return run
+
+
 def open_run(out: Path, config: Config, versions: Mapping[str, str]) -> tuple[Path, Config]:
     """The run folder of `config` below `out`, made if it is not there, and the config it now stands for.
 

@@ -1,0 +1,316 @@
+"""Who is writing: a lock file beside what is written, which says its owner and is locked as long as that one lives.
+
+A regular file that is open for writing is locked, for on a network file system only that reaches other nodes. On
+file systems that lock nothing the owner that the file states is all there is: its process on this machine, and
+elsewhere whether the file was touched within an hour, by the file system's own clock.
+"""
+
+import contextlib
+import errno
+import fcntl
+import json
+import os
+import socket
+import stat
+import time
+import uuid
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import cache
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from visitlab_cli.errors import RunError, reason
+
+SILENT = 3600.0
+"""Seconds without a sign of life after which an owner on another machine is gone."""
+BEAT = 60.0
+"""Seconds between two signs of life."""
+LONGEST = 4096
+"""Bytes of a lock file that are read."""
+HELD = {errno.EWOULDBLOCK, errno.EAGAIN, errno.EACCES}
+TRIES = 100
+
+
+class HeldError(Exception):
+    """Somebody else holds the lock."""
+
+
+class Lock(NamedTuple):
+    """An open lock file; `works` says whether its file system locks at all."""
+
+    file: Path
+    descriptor: int
+    works: bool
+
+    def beat(self) -> None:
+        """Give a sign of life; where none can be given, none is."""
+        with contextlib.suppress(OSError):
+            os.utime(self.descriptor)
+
+    def release(self, *, remove: bool) -> None:
+        """Let go, and take the file away where it is no longer of use."""
+        if remove:
+            with contextlib.suppress(OSError):
+                self.file.unlink()
+        os.close(self.descriptor)
+
+
+def lock(file: Path, *, shared: bool = False) -> Lock:
+    """Lock `file`, made where it is not there, for this process, or for all that share it.
+
+    Raises:
+        HeldError: somebody else has it.
+        OSError: it can't be made.
+    """
+    for _ in range(TRIES):
+        flags = os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC
+        descriptor = os.open(file, flags, 0o644)
+        try:
+            if not stat.S_ISREG(os.fstat(descriptor).st_mode):
+                raise OSError(errno.EINVAL, "is no file")
+            works = _flock(descriptor, fcntl.LOCK_SH if shared else fcntl.LOCK_EX)
+            if _is_still(file, descriptor):
+                if not shared:
+                    _state_owner(descriptor)
+                return Lock(file, descriptor, works)
+        except BaseException:
+            os.close(descriptor)
+            raise
+        os.close(descriptor)  # its owner removed it between our opening and locking it
+    raise HeldError(str(file))
+
+
+def _flock(descriptor: int, how: int) -> bool:
+    """Whether the file system locks; where it does not, there is no lock to wait for."""
+    try:
+        fcntl.flock(descriptor, how | fcntl.LOCK_NB)
+    except OSError as error:
+        if error.errno in HELD:
+            raise HeldError from error
+        return False
+    return True
+
+
+def _is_still(file: Path, descriptor: int) -> bool:
+    try:
+        return os.path.samestat(os.lstat(file), os.fstat(descriptor))
+    except FileNotFoundError:
+        return False
+
+
+def _state_owner(descriptor: int) -> None:
+    os.ftruncate(descriptor, 0)
+    os.pwrite(descriptor, json.dumps(_me()).encode(), 0)
+
+
+def _me() -> dict[str, Any]:
+    return {"machine": _machine(), "process": os.getpid(), "started": _started(os.getpid())}
+
+
+@cache
+def _machine() -> str:
+    """This machine since it was started, and its processes' numbers: no two that could meet on a disk are alike."""
+    told = [socket.gethostname()]
+    for place, read in (("/proc/sys/kernel/random/boot_id", _text), ("/proc/self/ns/pid", os.readlink)):
+        with contextlib.suppress(OSError):
+            told.append(read(place).strip())
+    return " ".join(told)
+
+
+def _text(place: str) -> str:
+    return Path(place).read_text(encoding="utf-8")
+
+
+def _started(process: int) -> str:
+    """When a process was started, in the system's ticks; empty where the system does not tell."""
+    try:
+        return _text(f"/proc/{process}/stat").rpartition(")")[2].split()[19]
+    except (OSError, IndexError):
+        return ""
+
+
+def is_abandoned(file: Path) -> bool:
+    """Whether who made a lock file is surely gone; also where there is no file any more."""
+    try:
+        held = lock_of_other(file)
+    except FileNotFoundError:
+        return True
+    except (HeldError, OSError):
+        return False
+    try:
+        owner = _owner(held.descriptor)
+        if owner.get("machine") == _machine():
+            return not _lives(owner)
+        same_machine = str(owner.get("machine", "")).split(" ")[0] == socket.gethostname()
+        if same_machine and len(_machine().split(" ")) > 1 and _other_boot(owner):
+            return True
+        return _clock(file.parent) - os.fstat(held.descriptor).st_mtime > SILENT
+    except OSError:
+        return False
+    finally:
+        held.release(remove=False)
+
+
+def lock_of_other(file: Path) -> Lock:
+    """Lock what is there, without making it or stating an owner.
+
+    Raises:
+        FileNotFoundError: it is not there.
+        HeldError: somebody has it.
+        OSError: it can't be opened.
+    """
+    descriptor = os.open(file, os.O_RDWR | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
+    try:
+        return Lock(file, descriptor, _flock(descriptor, fcntl.LOCK_EX))
+    except BaseException:
+        os.close(descriptor)
+        raise
+
+
+def _owner(descriptor: int) -> dict[str, Any]:
+    try:
+        owner = json.loads(os.pread(descriptor, LONGEST, 0))
+    except (ValueError, RecursionError):
+        return {}
+    return owner if isinstance(owner, dict) else {}
+
+
+def _other_boot(owner: dict[str, Any]) -> bool:
+    theirs, ours = str(owner.get("machine", "")).split(" "), _machine().split(" ")
+    return len(theirs) == len(ours) > 1 and theirs[1] != ours[1]
+
+
+def _lives(owner: dict[str, Any]) -> bool:
+    process = owner.get("process")
+    if not isinstance(process, int) or process <= 0:
+        return False
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except OSError:
+        pass  # it lives, and is another user's
+    return owner.get("started") in (_started(process), "")
+
+
+def _clock(folder: Path) -> float:
+    """The time by the clock of the file system that a folder lies on."""
+    probe = folder / f".tmp-clock-{uuid.uuid4().hex[:8]}"
+    try:
+        probe.touch()
+        return probe.stat().st_mtime
+    finally:
+        with contextlib.suppress(OSError):
+            probe.unlink()
+
+
+def older_than_an_hour(path: Path) -> bool:
+    """Whether nothing touched a path for an hour, by its file system's clock."""
+    try:
+        return _clock(path.parent) - path.lstat().st_mtime > SILENT
+    except OSError:
+        return False
+
+
+RUN_LOCK = ".lock"
+
+
+@contextmanager
+def being_written(run: Path, say: Callable[[str], None] | None = None) -> Iterator[None]:
+    """Hold a run, which then nobody removes; others may write in it, too.
+
+    Raises:
+        RunError: it is being removed, or nothing can be written there.
+    """
+    try:
+        held = lock(run / RUN_LOCK, shared=True)
+    except HeldError:
+        raise RunError(f"{run}: is being removed; do it again when that is over") from None
+    except OSError as error:
+        raise RunError(f"{run}: can't be written: {reason(error)}") from error
+    if not held.works and say is not None:
+        say(f"{run}: its file system locks nothing: don't remove the run while it is written")
+    try:
+        yield
+    finally:
+        held.release(remove=held.works and _is_last(held))
+
+
+def _is_last(held: Lock) -> bool:
+    """Whether nobody else holds a shared lock; it is then ours alone."""
+    try:
+        return _flock(held.descriptor, fcntl.LOCK_EX)
+    except HeldError:
+        return False
+
+
+@contextmanager
+def to_remove(run: Path) -> Iterator[None]:
+    """Hold a run alone.
+
+    Raises:
+        RunError: somebody writes in it, or it can't be held.
+    """
+    try:
+        held = lock(run / RUN_LOCK)
+    except HeldError:
+        raise RunError(f"{run}: is being written; stop that first") from None
+    except OSError as error:
+        raise RunError(f"{run}: can't be changed: {reason(error)}") from error
+    try:
+        yield
+    finally:
+        held.release(remove=True)
+
+
+class Heart:
+    """Gives signs of life for a lock, once a minute at most."""
+
+    def __init__(self, held: Lock) -> None:
+        """Of `held`."""
+        self._held = held
+        self._last = time.monotonic()
+
+    def beat(self) -> None:
+        """Give one, if it is time."""
+        now = time.monotonic()
+        if now - self._last >= BEAT:
+            self._last = now
+            self._held.beat()
+
+
+def what_works(folder: Path) -> dict[str, str]:
+    """Whether a folder's file system `locks`, `renames` and `syncs`: what is wrong with each, or nothing."""
+    probe, other = (folder / f".tmp-probe-{uuid.uuid4().hex[:8]}" for _ in range(2))
+
+    def locks() -> None:
+        held = lock(probe)
+        held.release(remove=False)
+        if not held.works:
+            raise OSError(errno.ENOLCK, "no locks are to be had")
+
+    def renames() -> None:
+        probe.rename(other)
+        other.rename(probe)
+
+    def syncs() -> None:
+        for place in (probe, folder):
+            descriptor = os.open(place, os.O_RDONLY)
+            try:
+                os.fsync(descriptor)
+            finally:
+                os.close(descriptor)
+
+    found = {}
+    try:
+        for check in (locks, renames, syncs):
+            try:
+                check()
+                found[check.__name__] = ""
+            except (OSError, HeldError) as error:
+                found[check.__name__] = reason(error) if isinstance(error, OSError) else "a new file is locked"
+    finally:
+        with contextlib.suppress(OSError):
+            probe.unlink(missing_ok=True)
+    return found
