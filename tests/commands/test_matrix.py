@@ -56,7 +56,7 @@ def test_the_matrix_is_played_told_and_drawn_and_again_the_same(run):
     done = visitlab("eval", run, "--matrix", "--workers", 2)
     assert done.returncode == 0, done.stderr
     lines = done.stdout.splitlines()
-    assert lines[0] == "Goals a trial of visit with social/mf, n = 2."
+    assert lines[0] == "Goals a trial of visit with social/mf, n = 2 seeds."
     heads = [number for number, line in enumerate(lines) if line.split() == ["trained", "with", "slow", "fast", "lost"]]
     assert len(heads) == 2
     for head in heads:

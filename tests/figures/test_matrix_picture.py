@@ -7,10 +7,11 @@ from visitlab_cli.figures.matrix_picture import draw_matrix
 from visitlab_cli.pictures.style import STYLE, styled
 from visitlab_cli.results.estimates import Estimate
 from visitlab_cli.results.matrix import MODES, Goals, Matrix, Pairing
+from visitlab_cli.results.units import Units
 
 
 def matrix_of(humans, visit="visit", social="social/mb"):
-    goals = Goals(Estimate(10.25, 10.25), 10, "")
+    goals = Goals(Estimate(10.25, 10.25), Units(10, 10), "")
     return Matrix(visit, social, 300, {Pairing(a, b, mode): goals for a in humans for b in humans for mode in MODES})
 
 

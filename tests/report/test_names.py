@@ -2,15 +2,7 @@
 
 import pytest
 
-from visitlab_cli.report.names import breakable, names_within
-from visitlab_cli.results.groups import Group
-from visitlab_cli.results.varying import Varying, varying
-
-
-def group(experiment="social", agent="mb", human="shy", **point):
-    return Group(
-        "", experiment, agent, human, tuple((path.replace("__", "."), value) for path, value in point.items()), []
-    )
+from visitlab_cli.report.names import breakable
 
 
 @pytest.mark.parametrize(
@@ -24,13 +16,3 @@ def group(experiment="social", agent="mb", human="shy", **point):
 )
 def test_a_name_breaks_behind_words_and_never_in_a_number(text, shown):
     assert breakable(text) == shown
-
-
-def test_what_differs_names_a_curve():
-    assert names_within([group(agent="mb"), group(agent="ql")], Varying({})) == ["mb", "ql"]
-    visits = [group("visit_mb", "mb"), group("visit_ql", "ql")]
-    assert names_within(visits, Varying({})) == ["mb", "ql"]
-    same = [group("first", human="shy"), group("second", human="shy")]
-    assert names_within(same, Varying({})) == ["first · mb · shy", "second · mb · shy"]
-    varied = [group(humans__shy__p_A="0.1"), group(humans__shy__p_A="0.2")]
-    assert names_within(varied, varying(each.point for each in varied)) == ["p_A=0.1", "p_A=0.2"]

@@ -95,7 +95,7 @@ def test_frozen_all_trials_count_and_adapting_the_last_tenth(run):
     assert (frozen.value.mean, adapting.value.mean) == (10.5, 19.5)
     half = 4.302652729911275 / np.sqrt(3)  # Student's t for 2 degrees of freedom; the deviation is 1
     assert frozen.value.half == pytest.approx(half)
-    assert adapting.n == 3
+    assert adapting.units == (3, 3)
     assert goals[Pairing("a", "a", FROZEN)].value is None
 
 
@@ -107,7 +107,7 @@ def test_visits_of_the_same_modules_are_one_seed(tmp_path, models, n, mean):
     for cell in planned[Pairing("b", "a", FROZEN)]:
         write_cell(run, cell, np.full(20, float(cell.seed)))
     found = matrix_of(run, planned).goals[Pairing("b", "a", FROZEN)]
-    assert (found.n, found.value.mean) == (n, mean)
+    assert (found.units, found.value.mean) == ((n, 9 if models == "crossed" else 3), mean)
 
 
 def test_as_json(run):
@@ -119,7 +119,8 @@ def test_as_json(run):
     first, second = told["goals"][:2]
     group = planned[Pairing("b", "a", FROZEN)][0].group
     assert first == {
-        "trained_with": "b", "human": "a", "mode": "frozen", "mean": 2.0, "interval": None, "n": 1, "cells": group
+        "trained_with": "b", "human": "a", "mode": "frozen", "mean": 2.0, "interval": None, "n": 1, "n_of": "seeds",
+        "cells": group,
     }  # fmt: skip
     assert (second["mean"], second["n"]) == (None, 0)
 

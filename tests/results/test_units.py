@@ -22,7 +22,7 @@ def test_what_is_independent_depends_on_the_models(variant, told):
 
 def test_several_conditions_are_counted_together():
     assert in_words([Units(10, 10), Units(10, 10)]) == "n = 10 seeds"
-    assert in_words([Units(1, 1)]) == "1 seed"
-    assert in_words([Units(1, 10)]) == "1 model, 10 visits"
+    assert in_words([Units(1, 1)]) == "n = 1 seed"
+    assert in_words([Units(1, 10)]) == "n = 1 model, 10 visits"
     assert in_words([Units(1, 10), Units(2, 12)]) == "n = 1 to 2 models"
     assert in_words([Units(6, 36), Units(6, 30)]) == "n = 6 models"

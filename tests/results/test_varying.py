@@ -1,6 +1,7 @@
 """What varies, as short columns."""
 
-from visitlab_cli.results.varying import varying
+from visitlab_cli.results.groups import Group
+from visitlab_cli.results.varying import Varying, names_within, varying
 
 
 def point(**settings):
@@ -42,3 +43,17 @@ def test_of_an_entry_that_varies_as_a_whole_only_what_differs_is_a_column():
     found = varying(points)
     assert found.heads == {"humans.shy.p_S": "p_S", "humans.shy.p_A": "p_A"}
     assert found.words(points[1]) == ["p_S=[0.0, 1.0, 0.0]", "p_A=0.2"]
+
+
+def group(experiment="social", agent="mb", human="shy", **settings):
+    return Group("", experiment, agent, human, point(**settings), [])
+
+
+def test_what_differs_names_a_curve():
+    assert names_within([group(agent="mb"), group(agent="ql")], Varying({})) == ["mb", "ql"]
+    visits = [group("visit_mb", "mb"), group("visit_ql", "ql")]
+    assert names_within(visits, Varying({})) == ["mb", "ql"]
+    same = [group("first", human="shy"), group("second", human="shy")]
+    assert names_within(same, Varying({})) == ["first · mb · shy", "second · mb · shy"]
+    varied = [group(humans__shy__p_A="0.1"), group(humans__shy__p_A="0.2")]
+    assert names_within(varied, varying(each.point for each in varied)) == ["p_A=0.1", "p_A=0.2"]

@@ -83,6 +83,7 @@ class Comparison(NamedTuple):
             "group": self.ours.group,
             "verdict": str(self.verdict),
             "seeds": self.ours.curve.counted.n,
+            "seeds_of": self.ours.curve.counted.of,
             "parts": {name: part.as_json() | {"cause": self.cause_of(name)} for name, part in self.parts.items()},
             "share_of_the_possible_last_tenth": share,
             "if_published_is_one_model": {name: part.as_json() for name, part in self.one_model.items()} or None,

@@ -113,8 +113,10 @@ def _json(compared: "Compared") -> dict[str, object]:
 
 
 def _text(compared: "Compared", margin: float) -> str:
+    from visitlab_cli.results.units import SHARED
+
     first = compared.curves[0]
-    rows = [["figure", "condition", "verdict", "seeds", *map(_words, first.parts), "possible"]]
+    rows = [["figure", "condition", "verdict", "n", *map(_words, first.parts), "possible"]]
     rows += [_row(each) for each in compared.curves]
     lines = [
         aligned(rows, words=3),
@@ -127,6 +129,8 @@ def _text(compared: "Compared", margin: float) -> str:
         lines.append(
             "The published fig8_adaptation rests on one trained model, whose own luck no interval here counts."
         )
+    if any(each.ours.curve.counted.shared for each in compared.curves):
+        lines.append(SHARED)
     lines += [line for each in compared.curves for line in _remarks(each)]
     reasons: dict[str, list[str]] = {}
     for _, ours in compared.absent:
@@ -139,8 +143,13 @@ def _row(each: "Comparison") -> list[str]:
     last = each.parts["last_tenth"]
     shares = [each.possible.share(value) for value in (last.ours, last.published)] if each.possible else []
     possible = "{:.1%} ({:.1%})".format(*shares) if shares else "-"
-    names = each.published.figure, each.published.condition, str(each.verdict), str(each.ours.curve.counted.n)
+    names = each.published.figure, each.published.condition, str(each.verdict), _n(each)
     return [*names, *(_difference(part) for part in each.parts.values()), possible]
+
+
+def _n(each: "Comparison") -> str:
+    counted = each.ours.curve.counted
+    return counted.words if counted.shared else str(counted.n)
 
 
 def _difference(part: "Judgement") -> str:
@@ -156,7 +165,7 @@ def _remarks(each: "Comparison") -> list[str]:
     lines += [f"{name}: {_words(part)}: cause: {cause}" for part, cause in causes.items() if cause != each.cause]
     open_parts = {_words(part): found for part, found in each.parts.items() if found.verdict == "undecided"}
     if each.ours.curve.counted.n < 2:
-        lines.append(f"{name}: one seed has no interval; more are needed")
+        lines.append(f"{name}: one {each.ours.curve.counted.of.removesuffix('s')} has no interval; more are needed")
     elif open_parts:
         needed = [f"{part} {found.seeds_that_decide or 'no number of'} seeds" for part, found in open_parts.items()]
         lines.append(f"{name}: would decide: {', '.join(needed)}")

@@ -29,7 +29,7 @@ def tell_plan(run: Path, cells: Sequence["Cell"], *, workers: int, as_json: bool
         tell_json({**told, "groups": {name: _json(cost) for name, cost in costs.items()}})
         return
     if costs:
-        tell_text(_table(costs) + "\n")
+        tell_text(_table(costs, {group: members[0] for group, members in groups.items()}) + "\n")
     done = f", {len(cells) - len(missing)} done already" if len(missing) < len(cells) else ""
     tell(f"{total.cells} cells to do{done}; {total.steps:,} steps, {size_in_words(total.bytes)}")
     tell(f"about {duration(total.seconds)} on {workers} worker{'s' if workers > 1 else ''}; the run is {run}")
@@ -39,13 +39,18 @@ def _json(cost: "Estimate") -> dict[str, float]:
     return {"cells": cost.cells, "steps": cost.steps, "seconds": round(cost.seconds, 1), "bytes": cost.bytes}
 
 
-def _table(costs: "dict[str, Estimate]") -> str:
-    rows = [["module or visit", "cells", "steps", "time on one core", "disk"]]
-    rows += [
-        [name, str(cost.cells), f"{cost.steps:,}", duration(cost.seconds), size_in_words(cost.bytes)]
-        for name, cost in costs.items()
-    ]
-    return aligned(rows, words=1)
+def _table(costs: "dict[str, Estimate]", cells: "dict[str, Cell]") -> str:
+    """A line for each group, of which `cells` has one each."""
+    from visitlab_cli.results.groups import point_of
+    from visitlab_cli.results.varying import varying
+
+    which, head = "module or visit", ["cells", "steps", "time on one core", "disk"]
+    varied = varying((point_of(cell) for cell in cells.values()), taken=(which, *head))
+    rows = [[which, *varied.heads.values(), *head]]
+    for name, cost in costs.items():
+        told = str(cost.cells), f"{cost.steps:,}", duration(cost.seconds), size_in_words(cost.bytes)
+        rows.append([cells[name].condition, *varied.values(point_of(cells[name])), *told])
+    return aligned(rows, words=1 + len(varied.heads))
 
 
 def duration(seconds: float) -> str:

@@ -18,8 +18,8 @@ def command(
     only: Annotated[
         list[str] | None,
         typer.Option(
-            help="This figure alone: fig6, fig7, fig8 or fig9; may be repeated.",
-            autocompletion=completion.words("fig6", "fig7", "fig8", "fig9"),
+            help="This figure alone: fig6, fig7, fig8, fig9 or grid; may be repeated.",
+            autocompletion=completion.words("fig6", "fig7", "fig8", "fig9", "grid"),
         ),
     ] = None,
     kind: Annotated[
@@ -29,7 +29,10 @@ def command(
     out: Out = RUNS,
     as_json: Json = False,
 ) -> None:
-    """Draw the paper's figures that a run has the data for, the published curves behind ours: RUN/figures/."""
+    """Draw the paper's figures that a run has the data for, the published curves behind ours, and what a grid varies.
+
+    A published curve is there only where all that decides it is as published. In RUN/figures/.
+    """
     from visitlab_cli.figures.making import make_figures
     from visitlab_cli.storage.run_folder import find_run
 

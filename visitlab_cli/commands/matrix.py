@@ -81,12 +81,10 @@ def text(matrix: "Matrix") -> str:
     from visitlab_cli.results.matrix import ADAPTING, FROZEN
 
     trials = f"{matrix.trials:,} trial{'s' if matrix.trials != 1 else ''}"
-    fewest, most = matrix.seeds
-    n = f"{most}" if fewest == most else f"{fewest} to {most}"
     return "\n\n".join(
         [
-            f"Goals a trial of {matrix.visit} with {matrix.social}, n = {n}.\n"
-            "Mean over n seeds ± half its 95% interval (Student's t).",
+            f"Goals a trial of {matrix.visit} with {matrix.social}, {matrix.n}.\n"
+            "Mean over them ± half its 95% interval (Student's t).",
             f"Frozen: nothing is learned or explored; all {trials}\n{_table(matrix, FROZEN)}",
             f"Adapting: the social module goes on learning; last tenth of {trials}\n{_table(matrix, ADAPTING)}",
         ]

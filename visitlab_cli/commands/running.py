@@ -18,6 +18,9 @@ if TYPE_CHECKING:
     from visitlab_cli.results.expected import Result
 
 
+WHICH = "module or visit"
+
+
 class How(NamedTuple):
     """The options that `run`, `train` and `eval` share; `workers` 0: as many as there are cores."""
 
@@ -152,19 +155,28 @@ def cores() -> int:
 
 
 def table(lines: Sequence["Result"]) -> str:
-    """The results as aligned columns; what is not known is a dash."""
+    """The results as aligned columns, what varies short; what is not known is a dash."""
+    from visitlab_cli.results.varying import varying
+
     expecting = any(line.expected is not None for line in lines)
-    head = ["module or visit", "measure", "cells", "value"]
-    rows = [head + (["expected", "difference", "tolerance"] if expecting else [])]
+    head = ["measure", "cells", "value", *(["expected", "difference", "tolerance"] if expecting else [])]
+    varied = varying((line.point for line in lines), taken=(WHICH, *head))
+    rows = [[WHICH, *varied.heads.values(), *head]]
     for line in lines:
-        row = [line.group, line.measure, f"{line.done}/{line.cells}", _number(line.value, "")]
+        row = [
+            line.condition,
+            *varied.values(line.point),
+            line.measure,
+            f"{line.done}/{line.cells}",
+            _number(line.value, ""),
+        ]
         if expecting:
             numbers = (line.expected, ""), (line.difference, "+"), (line.tolerance, "")
             row += [_number(value, sign) for value, sign in numbers]
         rows.append(row)
     rows = [list(map(plain, row)) for row in rows]
     missed = ["", *("  MISSED" if line.missed else "" for line in lines)]
-    return "\n".join(map("".join, zip(aligned(rows, words=2).splitlines(), missed, strict=True)))
+    return "\n".join(map("".join, zip(aligned(rows, words=2 + len(varied.heads)).splitlines(), missed, strict=True)))
 
 
 def _number(value: float | None, sign: str) -> str:

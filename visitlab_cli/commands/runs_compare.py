@@ -8,7 +8,8 @@ from visitlab_cli.terminal import plain, tell_json, tell_text
 
 if TYPE_CHECKING:
     from visitlab_cli.execution.cells import Cell
-    from visitlab_cli.results.pairs import Pair
+    from visitlab_cli.results.pairs import Pair, Side
+    from visitlab_cli.results.varying import Varying
 
 
 MOST_NAMED = 6
@@ -69,23 +70,46 @@ def _tell(told: dict[str, Any], pairs: "list[Pair]", notes: list[str], as_json: 
         whole = {**told, "confidence": 0.95, "notes": notes, "pairs": [pair.as_json() for pair in pairs]}
         tell_json(whole)
         return
-    head = ["where", "measure", "first", "second", "seeds", "mean", "mean of second", "difference", "n", "improves"]
     lines = [
-        aligned([head, *map(_row, pairs)], words=5),
+        _table(pairs),
         "",
         "Last tenth of trials; the second less the first with half its 95% interval (Student's t; Welch's, unpaired).",
         "Improves: the probability that a seed of the second is better than one of the first; a tie is half.",
         "Paired: the same modules, or the same random numbers, in both; n pairs. Else n is the smaller number.",
+        "What counts is independent: visits of the same trained modules are averaged and count once.",
         *map(plain, notes),
     ]
     tell_text("\n".join(lines))
 
 
-def _row(pair: "Pair") -> list[str]:
+WORDS = ("measure", "first", "second", "seeds")
+NUMBERS = ("mean", "mean of second", "difference", "n", "improves")
+
+
+def _table(pairs: "list[Pair]") -> str:
+    """A line for each pair; what varies is short, and a column where it is the same in both."""
+    from visitlab_cli.results.varying import varying
+
+    columns = varying((pair.same for pair in pairs), taken=("where", *WORDS, *NUMBERS))
+    own = varying((("", side.value), *side.point) for pair in pairs for side in (pair.first, pair.second))
+    head = ["where", *columns.heads.values(), *WORDS, *NUMBERS]
+    rows = [[pair.condition, *columns.values(pair.same), *_row(pair, own)] for pair in pairs]
+    return aligned([head, *rows], words=len(head) - len(NUMBERS))
+
+
+def _row(pair: "Pair", own: "Varying") -> list[str]:
+    first, second = (_name(side, own) for side in (pair.first, pair.second))
     return [
-        *(pair.where, pair.measure, pair.first.name, pair.second.name, "paired" if pair.paired else "independent"),
+        *(pair.measure, first, second, "paired" if pair.paired else "independent"),
         *(f"{side.mean:.2f}" for side in (pair.first, pair.second)),
         pair.difference.in_words("+"),
         str(pair.n),
         f"{pair.probability_of_improvement:.2f}",
     ]
+
+
+def _name(side: "Side", own: "Varying") -> str:
+    """What is compared, with the settings that belong to it; of an entry that varies as a whole what differs."""
+    if side.value.startswith("{"):
+        return " ".join(own.words((("", side.value), *side.point)))
+    return " ".join([side.value, *own.words(side.point)])

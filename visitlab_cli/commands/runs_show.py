@@ -14,6 +14,7 @@ from visitlab_cli.terminal import plain, tell, tell_json, tell_text
 if TYPE_CHECKING:
     from visitlab_cli.results.runs import RunLine
     from visitlab_cli.results.summary import Summary
+    from visitlab_cli.results.varying import Varying
 
 
 def command(
@@ -54,6 +55,8 @@ def command(
 
 
 def _text(line: "RunLine", lines: "list[Summary]", level: float) -> str:
+    from visitlab_cli.results.units import SHARED
+
     age = age_in_words(time.time() - line.changed)
     seeds = f"{line.seeds} seed{'s' if line.seeds != 1 else ''}"
     head = f"{line.run}: {line.state}, {line.done} of {line.cells} cells, {seeds}"
@@ -63,29 +66,32 @@ def _text(line: "RunLine", lines: "list[Summary]", level: float) -> str:
         f"Mean over n seeds of the last tenth of trials{frozen} ± half its 95% interval (Student's t); their median.",
         f"To {level:.0%}: median steps until a hundredth of the trials first has {level:.0%} of the mean.",
     ]
+    if any(each.units.shared for each in lines):
+        notes.append(SHARED)
     if line.done != line.cells:
         notes.append(f"Finish with {run_again(line.run)}")
     return "\n".join([f"{plain(head)}, {size_in_words(line.size)}, {age} old", "", _table(lines, level), *notes])
 
 
 def _table(lines: "list[Summary]", level: float) -> str:
-    varied = any(each.group.point for each in lines)
+    from visitlab_cli.results.varying import varying
+
     evaluated = any(each.group.evaluation.folder for each in lines)
-    names = ["experiment", "agent", "human", *(["at"] if varied else []), *(["played"] if evaluated else []), "measure"]
-    rows = [[*names, "mean", "median", "n", f"steps to {level:.0%}", "seconds a cell"]]
-    rows += [_row(each, varied, evaluated) for each in lines]
-    return aligned(rows, words=len(names))
+    who, rest = ["experiment", "agent", "human"], [*(["played"] if evaluated else []), "measure"]
+    numbers = ["mean", "median", "n", f"steps to {level:.0%}", "seconds a cell"]
+    varied = varying((each.group.point for each in lines), taken=[*who, *rest, *numbers])
+    words = [*who, *varied.heads.values(), *rest]
+    return aligned([[*words, *numbers], *(_row(each, varied, evaluated) for each in lines)], words=len(words))
 
 
-def _row(each: "Summary", varied: bool, evaluated: bool) -> list[str]:
+def _row(each: "Summary", varied: "Varying", evaluated: bool) -> list[str]:
     group = each.group
-    point = [",".join(f"{path}={value}" for path, value in group.point) or "-"] if varied else []
     played = [group.evaluation.words if group.evaluation.folder else "-"] if evaluated else []
     return [
-        *(group.experiment, group.agent, group.human or "-", *point, *played, group.measure),
+        *(group.experiment, group.agent, group.human or "-", *varied.values(group.point), *played, group.measure),
         each.value.in_words() if each.value else "-",
         number(each.median, ".2f"),
-        str(each.n),
+        each.units.words if each.units.shared else str(each.n),
         number(each.steps_to_level, ",.0f"),
         number(each.seconds, ".1f"),
     ]

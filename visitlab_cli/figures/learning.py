@@ -45,7 +45,8 @@ def unlike_in(source: Source, design: Design) -> str:
         found = source.counterparts.get((design.published, condition.published))
         if found is not None and found.unlike:
             of_reason.setdefault(found.reason, []).append(condition.name)
-    told = [f"{', '.join(names)}: {reason}" for reason, names in of_reason.items()]
+    alone = [of_reason[reason] for reason in of_reason] == [[each.name for each in design.conditions]]
+    told = [reason if alone else f"{', '.join(names)}: {reason}" for reason, names in of_reason.items()]
     return f"not as published: {'; '.join(told)}" if told else ""
 
 
@@ -61,12 +62,11 @@ def panel_of(source: Source, design: Design, *, even_so: bool = False) -> Panel 
     if not shown:
         return None
     found = [(each.condition, each.group) for each in shown]
-    settings = found[0][1].cells[0].settings
+    cell = found[0][1].cells[0]
+    settings = cell.settings
     visit = settings.assembled
     end = settings.n_trials if visit else settings.n_steps
-    x_unit = 1 if visit else MILLION if end >= MILLION else THOUSAND
-    x_label = {1: "trial", THOUSAND: "step of training (thousands)", MILLION: "step of training (millions)"}[x_unit]
-    measure = "goal rooms in a trial" if visit else "reward of a trial"
+    x_unit, x_label = x_of(cell, end)
     published = {curve.condition: curve for curve in published_curves() if curve.figure == design.published}
     marks = [trial * settings.trial_steps for _, group in found if (trial := watched_trials(group))]
     spreads = [
@@ -78,7 +78,7 @@ def panel_of(source: Source, design: Design, *, even_so: bool = False) -> Panel 
         title=design.title,
         x_label=x_label,
         x_unit=x_unit,
-        y_label=f"{measure} of {settings.trial_steps} steps",
+        y_label=measure_of(cell),
         lines=[_line(each, published[each.condition.published], even_so=even_so) for each in shown],
         references=_references(source, design, shown),
         end=float(end),
@@ -86,6 +86,19 @@ def panel_of(source: Source, design: Design, *, even_so: bool = False) -> Panel 
         unlike=unlike_in(source, design),
         note="\n".join([SPREADS, *spreads]) if spreads else "",
     )
+
+
+def x_of(cell: Cell, end: float) -> tuple[int, str]:
+    """In which unit the trials of a visit, or the steps of a training, are told up to `end`; and what they are."""
+    if isinstance(cell.settings, Visit):
+        return 1, "trial"
+    return (MILLION, "step of training (millions)") if end >= MILLION else (THOUSAND, "step of training (thousands)")
+
+
+def measure_of(cell: Cell) -> str:
+    """What a learning curve shows."""
+    measure = "goal rooms in a trial" if isinstance(cell.settings, Visit) else "reward of a trial"
+    return f"{measure} of {cell.settings.trial_steps} steps"
 
 
 def watched_trials(group: Group) -> int:

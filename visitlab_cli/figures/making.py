@@ -9,6 +9,7 @@ from visitlab_cli.errors import NotFoundError, UsageError
 from visitlab_cli.figures.drawing import Drawing
 from visitlab_cli.figures.fig7 import draw_fig7
 from visitlab_cli.figures.fig9 import Strip, draw_fig9
+from visitlab_cli.figures.grid_figure import draw_grid
 from visitlab_cli.figures.learning_figure import draw_fig6, draw_fig8
 from visitlab_cli.figures.source import Source, open_source
 from visitlab_cli.pictures.style import FORMATS, STRIP_STYLE, STYLE, save, styled
@@ -16,9 +17,14 @@ from visitlab_cli.storage.inside import check_inside
 from visitlab_cli.storage.locks import being_written
 
 FOLDER = "figures"
-DRAW: dict[str, Callable[[Source], Drawing]] = {"fig6": draw_fig6, "fig7": draw_fig7, "fig8": draw_fig8}
-FIG_9 = "fig9"
-NAMES = (*DRAW, FIG_9)
+FIG_9, GRID = "fig9", "grid"
+DRAW: dict[str, Callable[[Source], Drawing]] = {
+    "fig6": draw_fig6,
+    "fig7": draw_fig7,
+    "fig8": draw_fig8,
+    GRID: draw_grid,
+}
+NAMES = ("fig6", "fig7", "fig8", FIG_9, GRID)
 
 
 class Made(NamedTuple):

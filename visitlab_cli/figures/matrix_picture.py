@@ -84,10 +84,8 @@ def draw_matrix(matrix: Matrix) -> "Figure":
 
 
 def _caption(matrix: Matrix) -> str:
-    fewest, most = matrix.seeds
-    n = str(most) if fewest == most else f"{fewest} to {most}"
     return (
-        f"{matrix.visit} with {matrix.social}, n = {n}: mean ± half of the 95% interval; "
+        f"{matrix.visit} with {matrix.social}, {matrix.n}: mean ± half of the 95% interval; "
         f"frozen: all {matrix.trials:,} trials, adapting: their last tenth; framed: who was trained with"
     )
 

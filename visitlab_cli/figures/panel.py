@@ -7,7 +7,7 @@ from visitlab_cli.analysis.published_curves import PublishedCurve
 from visitlab_cli.pictures.style import FONT_SIZE, GREY, INK, SMALL
 from visitlab_cli.pictures.words import in_lines
 from visitlab_cli.results.curves import Curve
-from visitlab_cli.results.units import in_words
+from visitlab_cli.results.units import mean_over
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -82,7 +82,7 @@ def draw_panel(axes: "Axes", panel: Panel) -> None:
     axes.legend(loc="lower left", bbox_to_anchor=(0, 1), borderaxespad=0, ncols=3, handlelength=1.8, columnspacing=1.1)
     unlike = f"\n{in_lines(panel.unlike, LINE_WIDTH, FONT_SIZE)}" if panel.unlike else ""
     axes.set_xlabel(panel.x_label + unlike)
-    axes.set_ylabel(f"{panel.y_label}\n(mean, {in_words([line.ours.counted for line in panel.lines])})")
+    axes.set_ylabel(f"{panel.y_label}\n({mean_over([line.ours.counted for line in panel.lines])})")
     axes.set_xlim(0, panel.end)
     axes.set_ylim(0, _top(panel))
     axes.xaxis.set_major_formatter(lambda x, _: f"{x / panel.x_unit:g}")

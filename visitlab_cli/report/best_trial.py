@@ -9,9 +9,8 @@ import numpy as np
 
 from visitlab_cli.execution.cells import Cell
 from visitlab_cli.recording.reader import check_values, read_trial
-from visitlab_cli.report.names import BETWEEN
 from visitlab_cli.results.groups import Group
-from visitlab_cli.results.varying import Varying, varying
+from visitlab_cli.results.varying import BETWEEN, Varying, varying
 from visitlab_cli.scene.moments import moments
 from visitlab_cli.scene.scene import Scene
 from visitlab_cli.scene.shapes import Area, Arrow, Body, Role, Shape, Sight, Speech, Vectors

@@ -11,10 +11,9 @@ from visitlab_cli.analysis.exact_values import Possible, possible
 from visitlab_cli.colours import Look, looks_of
 from visitlab_cli.config.experiments import Visit
 from visitlab_cli.execution.cells import Cell
-from visitlab_cli.report.names import names_within
 from visitlab_cli.results.curves import curve_of
 from visitlab_cli.results.groups import Group
-from visitlab_cli.results.varying import varying
+from visitlab_cli.results.varying import names_within, varying
 from visitlab_cli.storage.cell_folder import read_cell
 from visitlab_cli.world.tasks import VISIT
 

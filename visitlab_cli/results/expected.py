@@ -3,13 +3,14 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from statistics import fmean
 from typing import Any
 
 from visitlab_cli.config.model import Config
 from visitlab_cli.config.problems import or_else
 from visitlab_cli.errors import ConfigError
 from visitlab_cli.execution.cells import Cell
-from visitlab_cli.results.groups import reached
+from visitlab_cli.results.groups import Measure, Point, groups_of, reached, unit_values
 from visitlab_cli.storage.arrays import read_trials
 from visitlab_cli.storage.cell_folder import TRIALS, read_cell
 from visitlab_cli.world.tasks import VISIT
@@ -17,7 +18,7 @@ from visitlab_cli.world.tasks import VISIT
 
 @dataclass(frozen=True)
 class Result:
-    """One line of the table; `value` is None while no cell of the group is done."""
+    """One line of the table: `value` is the mean over independent units, None while no cell of the group is done."""
 
     group: str
     measure: str
@@ -26,6 +27,9 @@ class Result:
     value: float | None
     expected: float | None = None
     tolerance: float | None = None
+    condition: str = ""
+    """The group without its point of the grid, which is `point`."""
+    point: Point = ()
 
     @property
     def difference(self) -> float | None:
@@ -58,18 +62,22 @@ MEASURES = {
 }
 
 
-def _values(run: Path, cells: Sequence[Cell], trials: Sequence[int] | None) -> tuple[str, list[float]]:
-    """What is measured, and its value in each cell that is done; `trials` are the first and last, from 1."""
+def _measured(cells: Sequence[Cell], trials: Sequence[int] | None) -> tuple[str, Measure]:
+    """What is measured of these cells, and how in each; `trials` are the first and last, from 1."""
     if cells[0].frozen and trials is None:
-        return "goals a trial, all trials", [value for cell in cells if (value := reached(run, cell)) is not None]
+        return "goals a trial, all trials", reached
     key, measure = MEASURES[cells[0].task == VISIT]
-    facts = {cell.path: found for cell in cells if (found := read_cell(run / cell.path)) is not None}
     if trials is None:
-        return measure, [each[key] for each in facts.values()]
+        return measure, lambda run, cell: facts[key] if (facts := read_cell(run / cell.path)) is not None else None
     first, last = trials
-    rewards = [read_trials(run / path / TRIALS)["reward"][first - 1 : last] for path in facts]
-    measure = f"{measure.partition(',')[0]}, {first} to {last}"
-    return measure, [float(part.mean()) for part in rewards if len(part)]
+
+    def between(run: Path, cell: Cell) -> float | None:
+        if read_cell(run / cell.path) is None:
+            return None
+        part = read_trials(run / cell.path / TRIALS)["reward"][first - 1 : last]
+        return float(part.mean()) if len(part) else None
+
+    return f"{measure.partition(',')[0]}, {first} to {last}", between
 
 
 def check_expected(config: Config, cells: Sequence[Cell]) -> None:
@@ -89,23 +97,22 @@ def check_expected(config: Config, cells: Sequence[Cell]) -> None:
 
 def results(run: Path, config: Config, cells: Sequence[Cell]) -> list[Result]:
     """A line for each group of cells that differ in nothing but their seeds."""
-    groups: dict[str, list[Cell]] = {}
-    for cell in cells:
-        groups.setdefault(cell.group, []).append(cell)
     lines = []
-    for group, members in groups.items():
-        expected = config.expected.get(group)
-        measure, values = _values(run, members, expected.trials if expected else None)
-        value = sum(values) / len(values) if values else None
+    for group in groups_of(cells):
+        expected = config.expected.get(group.path)
+        measure, measured = _measured(group.cells, expected.trials if expected else None)
+        values = unit_values(run, group.cells, measured)
         lines.append(
             Result(
-                group,
+                group.path,
                 measure,
-                len(values),
-                len(members),
-                value,
+                sum(read_cell(run / cell.path) is not None for cell in group.cells),
+                len(group.cells),
+                fmean(values.values()) if values else None,
                 expected.value if expected else None,
                 expected.tolerance if expected else None,
+                group.cells[0].condition,
+                group.point,
             )
         )
     return lines

@@ -1,6 +1,6 @@
 """The cells of a run in groups that differ in nothing but their seeds, and what each independent unit reached."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -70,8 +70,12 @@ def reached(run: Path, cell: Cell) -> float | None:
     return float(facts["mean_reward_last_tenth"])
 
 
-def unit_values(run: Path, cells: Sequence[Cell]) -> dict[str, float]:
-    """What each independent unit `reached`, by its name; finished cells only."""
-    found = {unit: [reached(run, cell) for cell in members] for unit, members in by_unit(cells).items()}
+Measure = Callable[[Path, Cell], float | None]
+"""A number from a run's cell; None where it is not finished."""
+
+
+def unit_values(run: Path, cells: Sequence[Cell], measure: Measure = reached) -> dict[str, float]:
+    """The mean of a measure over the cells of each independent unit, by its name; finished cells only."""
+    found = {unit: [measure(run, cell) for cell in members] for unit, members in by_unit(cells).items()}
     done = {unit: [value for value in values if value is not None] for unit, values in found.items()}
     return {unit: sum(values) / len(values) for unit, values in done.items() if values}

@@ -17,6 +17,8 @@ from visitlab_cli.execution.cells import Cell, plan
 from visitlab_cli.execution.evaluation import AS_DECLARED, Evaluation
 from visitlab_cli.results.estimates import Estimate, mean_of
 from visitlab_cli.results.groups import unit_values
+from visitlab_cli.results.units import Units, in_words
+from visitlab_cli.storage.cell_folder import read_cell
 
 FROZEN, ADAPTING = "frozen", "adapting"
 MODES = (FROZEN, ADAPTING)
@@ -34,19 +36,19 @@ Planned = dict[Pairing, list[Cell]]
 
 
 class Goals(NamedTuple):
-    """Goals a trial, mean over `n` independent sets of modules; None where no cell is done.
+    """Goals a trial, mean over independent `units`; None where no cell is done.
 
     Frozen, all trials are alike and count; adapting, the last tenth does. `group` is where the cells lie in the run.
     """
 
     value: Estimate | None
-    n: int
+    units: Units
     group: str
 
     def as_json(self) -> dict[str, Any]:
         """Plain values."""
         value = self.value.as_json() if self.value else {"mean": None, "interval": None}
-        return {**value, "n": self.n, "cells": self.group}
+        return {**value, "n": self.units.n, "n_of": self.units.of, "cells": self.group}
 
 
 class Matrix(NamedTuple):
@@ -68,10 +70,9 @@ class Matrix(NamedTuple):
         return list(dict.fromkeys(pairing.met for pairing in self.goals))
 
     @property
-    def seeds(self) -> tuple[int, int]:
-        """The fewest and the most independent sets of modules behind a mean."""
-        counts = [goals.n for goals in self.goals.values()]
-        return min(counts), max(counts)
+    def n(self) -> str:
+        """What its means are taken over: 'n = 10 seeds'."""
+        return in_words([goals.units for goals in self.goals.values()])
 
     def as_json(self) -> dict[str, Any]:
         """Plain values."""
@@ -128,5 +129,6 @@ def matrix_of(run: Path, planned: Mapping[Pairing, Sequence[Cell]]) -> Matrix:
 
 
 def _goals(run: Path, cells: Sequence[Cell]) -> Goals:
-    values = list(unit_values(run, cells).values())
-    return Goals(mean_of(values) if values else None, len(values), cells[0].group)
+    done = [cell for cell in cells if read_cell(run / cell.path) is not None]
+    values = list(unit_values(run, done).values())
+    return Goals(mean_of(values) if values else None, Units(len(values), len(done)), cells[0].group)

@@ -18,7 +18,7 @@ from visitlab_cli.config.problems import or_else
 from visitlab_cli.errors import NotFoundError, UsageError
 from visitlab_cli.execution.cells import Cell
 from visitlab_cli.results.estimates import Estimate, difference_of, mean_of, probability_of_improvement
-from visitlab_cli.results.groups import Group, groups_of, unit_values
+from visitlab_cli.results.groups import Group, Point, groups_of, unit_values
 from visitlab_cli.settings import as_yaml
 
 AGENT, HUMAN = "agent", "human"
@@ -27,15 +27,20 @@ Values = dict[str, float]
 
 
 class Side(NamedTuple):
-    """One of two conditions: its name, how many seeds it is the mean of."""
+    """One of two conditions: its name, how many independent units it is the mean of.
+
+    The name is the `value` that is compared and the settings of the `point` that belong to it.
+    """
 
     name: str
     mean: float
     n: int
+    value: str = ""
+    point: Point = ()
 
     def as_json(self) -> dict[str, Any]:
         """Plain values."""
-        return self._asdict()
+        return {"name": self.name, "mean": self.mean, "n": self.n}
 
 
 class Pair(NamedTuple):
@@ -54,6 +59,9 @@ class Pair(NamedTuple):
     n: int
     probability_of_improvement: float
     groups: tuple[Group, Group]
+    condition: str = ""
+    """Where they are compared but for the point of the grid, which is `same`."""
+    same: Point = ()
 
     def as_json(self) -> dict[str, Any]:
         """Plain values."""
@@ -110,11 +118,10 @@ def compare_by(run: Path, cells: Sequence[Cell], key: str) -> Compared:
     members = [each for group in groups if (each := _member(run, group, key)) is not None]
     pairs, paired = [], set()
     for first, second in combinations(members, 2):
-        names = _names(first, second, key)
-        if names is not None:
-            where, *sides = names
-            reached = (sides[0], first.reached), (sides[1], second.reached)
-            pairs.append(_pair(where, (first.group, second.group), *reached, same_luck=True))
+        place = _place(first, second, key)
+        if place is not None:
+            both = first.group, second.group
+            pairs.append(_pair(place, both, first.reached, second.reached, same_luck=True))
             paired |= {first.group.path, second.group.path}
     if not pairs:
         raise NotFoundError(f"{run}: nothing that is done differs in {key} alone")
@@ -136,8 +143,9 @@ def compare_runs(first: tuple[Path, Sequence[Cell]], second: tuple[Path, Sequenc
         values, other_values = unit_values(first[0], group.cells), unit_values(second[0], other.cells)
         if values and other_values:
             same_luck = group.cells[0].config.seed == other.cells[0].config.seed
-            sides = (first[0].name, values), (second[0].name, other_values)
-            pairs.append(_pair(group.path, (group, other), *sides, same_luck=same_luck))
+            sides = (first[0].name, ()), (second[0].name, ())
+            place = _Place(group.path, group.cells[0].condition, group.point, *sides)
+            pairs.append(_pair(place, (group, other), values, other_values, same_luck=same_luck))
     if not pairs:
         raise NotFoundError(f"{first[0]} and {second[0]}: have no finished experiment, agent and human in common")
     both = {pair.where for pair in pairs}
@@ -164,7 +172,17 @@ def _member(run: Path, group: Group, key: str) -> _Member | None:
     return _Member(group, value, " ".join([experiment, *where]), where, point, own, reached)
 
 
-def _names(first: _Member, second: _Member, key: str) -> tuple[str, str, str] | None:
+class _Place(NamedTuple):
+    """Where two groups are compared: as `Pair` has it; what each is called there, value and settings."""
+
+    where: str
+    condition: str
+    same: Point
+    first: tuple[str, Point]
+    second: tuple[str, Point]
+
+
+def _place(first: _Member, second: _Member, key: str) -> _Place | None:
     """Where two groups are compared, and what each is called there; None where more than the key differs.
 
     A path that both depend on has the same value in both, unless it is what they are compared by; one that only one
@@ -179,13 +197,17 @@ def _names(first: _Member, second: _Member, key: str) -> tuple[str, str, str] | 
     if differ or any(alone):
         return None
     experiments = "/".join(dict.fromkeys((first.group.experiment, second.group.experiment)))
-    same = [f"{path}={first.point[path]}" for path in common if path not in compared]
-    shown = [[p for p in each.point if p != key and (p not in common or p in compared)] for each in (first, second)]
+    condition = " ".join([experiments, *first.where])
+    same = tuple((path, first.point[path]) for path in common if path not in compared)
     one, other = (
-        " ".join([each.value, *(f"{path}={each.point[path]}" for path in paths)])
-        for each, paths in zip((first, second), shown, strict=True)
+        (each.value, tuple((p, v) for p, v in each.point.items() if p != key and (p not in common or p in compared)))
+        for each in (first, second)
     )
-    return " ".join([experiments, *first.where, *same]), one, other
+    return _Place(_told(condition, same), condition, same, one, other)
+
+
+def _told(name: str, point: Point) -> str:
+    return " ".join([name, *(f"{path}={value}" for path, value in point)])
 
 
 def _belongs(path: str, group: Group, key: str) -> bool:
@@ -206,15 +228,7 @@ def _chooses_social(path: str, group: Group) -> bool:
     return isinstance(group.cells[0].settings, Visit) and path in (modules, f"{modules}.social")
 
 
-def _pair(
-    where: str,
-    groups: tuple[Group, Group],
-    first: tuple[str, Values],
-    second: tuple[str, Values],
-    *,
-    same_luck: bool,
-) -> Pair:
-    ours, theirs = first[1], second[1]
+def _pair(place: _Place, groups: tuple[Group, Group], ours: Values, theirs: Values, *, same_luck: bool) -> Pair:
     common = [unit for unit in ours if unit in theirs] if same_luck else []
     values, other_values = list(ours.values()), list(theirs.values())
     if common:
@@ -224,5 +238,9 @@ def _pair(
         difference = difference_of(values, other_values)
     n = len(common) or min(len(values), len(other_values))
     better = probability_of_improvement(values, other_values)
-    sides = Side(first[0], fmean(values), len(values)), Side(second[0], fmean(other_values), len(other_values))
-    return Pair(where, groups[0].measure, *sides, difference, bool(common), n, better, groups)
+    first, second = (
+        Side(_told(*told), fmean(reached), len(reached), *told)
+        for told, reached in ((place.first, values), (place.second, other_values))
+    )
+    where = place.where, groups[0].measure
+    return Pair(*where, first, second, difference, bool(common), n, better, groups, place.condition, place.same)

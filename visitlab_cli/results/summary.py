@@ -62,6 +62,7 @@ class Summary(NamedTuple):
             "cells_done": self.done,
             "cells": len(self.group.cells),
             "n": self.n,
+            "n_of": self.units.of,
             **(self.value.as_json() if self.value else {"mean": None, "interval": None}),
             "median": self.median,
             "level": self.level,

@@ -10,11 +10,8 @@ from typing import NamedTuple
 
 from visitlab_cli.execution.cells import Cell
 
-SHARED = (
-    "Visits of the same trained modules count as one: n is the number of models that were trained, "
-    "and an interval says how such models differ."
-)
-"""To be said wherever something is averaged within a unit."""
+SHARED = "Visits of the same trained modules count as one: n models were trained, and the interval is over them."
+"""To be said wherever visits share their models."""
 
 
 class Units(NamedTuple):
@@ -29,11 +26,15 @@ class Units(NamedTuple):
         return self.cells > self.n
 
     @property
+    def of(self) -> str:
+        """What they are: 'seeds', or 'models' where visits share theirs."""
+        return "models" if self.shared else "seeds"
+
+    @property
     def words(self) -> str:
         """'10 seeds'; '6 models, 36 visits' where visits share their models."""
-        if not self.shared:
-            return _counted(self.n, "seed")
-        return f"{_counted(self.n, 'model')}, {_counted(self.cells, 'visit')}"
+        counted = _counted(self.n, self.of)
+        return f"{counted}, {_counted(self.cells, 'visits')}" if self.shared else counted
 
 
 def unit_of(cell: Cell) -> str:
@@ -50,13 +51,18 @@ def by_unit(cells: Iterable[Cell]) -> dict[str, list[Cell]]:
 
 
 def in_words(several: Sequence[Units]) -> str:
-    """What the means of several conditions are taken over: 'n = 10 seeds', '1 seed', 'n = 1 to 2 models'."""
+    """What the means of several conditions are taken over: 'n = 10 seeds', 'n = 1 to 2 models'."""
     fewest, most = min(several), max(several)
     if fewest == most:
-        return most.words if most.n == 1 else f"n = {most.words}"
-    what = "model" if any(each.shared for each in several) else "seed"
-    return f"n = {_counted(most.n, what)}" if fewest.n == most.n else f"n = {fewest.n} to {_counted(most.n, what)}"
+        return f"n = {most.words}"
+    counted = _counted(most.n, "models" if any(each.shared for each in several) else "seeds")
+    return f"n = {counted}" if fewest.n == most.n else f"n = {fewest.n} to {counted}"
 
 
-def _counted(number: int, what: str) -> str:
-    return f"{number} {what}{'' if number == 1 else 's'}"
+def mean_over(several: Sequence[Units]) -> str:
+    """As `in_words`, and that it is a mean: 'mean, n = 10 seeds'; 'one seed' of a single cell is none."""
+    return "one seed" if max(several) == Units(1, 1) else f"mean, {in_words(several)}"
+
+
+def _counted(number: int, several: str) -> str:
+    return f"{number} {several.removesuffix('s') if number == 1 else several}"

@@ -6,8 +6,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from visitlab_cli.config.grid import value_in_words
-from visitlab_cli.results.groups import Point
+from visitlab_cli.results.groups import Group, Point
 
+BETWEEN = " · "
+"""Stands between what names a condition."""
 NOTHING = "-"
 """Stands where a line does not depend on a column."""
 
@@ -35,11 +37,25 @@ class Varying:
 def varying(points: Iterable[Point], taken: Collection[str] = ()) -> Varying:
     """What varies over the lines at these points; no head is among the `taken` ones."""
     found: dict[str, set[str]] = {}
-    for point in points:
+    for point in sorted(points, key=len, reverse=True):  # the longest have the order of the grid
         for path, value in _settings(point):
             found.setdefault(path, set()).add(value)
     paths = [path for path, values in found.items() if len(values) > 1]
     return Varying({path: _short(path, [*(other for other in paths if other != path), *taken]) for path in paths})
+
+
+def names_within(groups: Sequence[Group], varied: Varying) -> list[str]:
+    """What tells groups apart: agent, human, settings, as far as they differ, and if need be the experiment."""
+    parts = [(group.agent, group.human, BETWEEN.join(varied.words(group.point))) for group in groups]
+    differs = [len(set(column)) > 1 for column in zip(*parts, strict=True)]
+    names = [
+        BETWEEN.join(word for word, wanted in zip(part, differs, strict=True) if word and wanted)
+        or BETWEEN.join(filter(None, part))
+        for part in parts
+    ]
+    if len(set(names)) == len(names):
+        return names
+    return [BETWEEN.join((group.experiment, name)) for group, name in zip(groups, names, strict=True)]
 
 
 def _short(path: str, others: Sequence[str]) -> str:
