@@ -55,6 +55,28 @@ def test_a_run_without_published_curves(tiny_run):
     assert len(done.stderr.splitlines()) == 1
 
 
+def test_what_is_not_as_published_is_not_judged_and_said(tmp_path):
+    run = make_run(tmp_path, {NAVIGATION: 0.0, VISIT: 0.0}, planner="restart")
+    told = "not compared: not as published: visit.planner_rewards restart, published carried: visit/human_1"
+    done = visitlab("compare", run)
+    assert done.returncode == 0, done.stderr
+    assert told in done.stdout.splitlines()
+    found = json.loads(visitlab("compare", run, "--json").stdout)
+    assert [curve["group"] for curve in found["curves"]] == [NAVIGATION]
+    page = tmp_path / "page.md"
+    assert visitlab("compare", run, "--page", page).returncode == 0
+    name = "Fig. 8 right, visit the lab: Human 1"
+    assert f"- {name}: not as published: visit.planner_rewards restart, published carried" in page.read_text()
+    assert f"| {name} |" not in page.read_text()
+
+
+def test_visits_of_one_model_are_said_to_be_one(tmp_path):
+    out = visitlab("compare", make_run(tmp_path, {VISIT: 0.0}, models="first")).stdout
+    assert "1 model, 10 visits" in out
+    assert "fig8_adaptation human_1: one model has no interval; more are needed" in out
+    assert "Visits of the same trained modules count as one" in out
+
+
 def test_wrong_words(runs):
     assert visitlab("compare", "nothing", "--out", runs).returncode == 5
     assert visitlab("compare", "main", "--out", runs, "--margin", "nan").returncode == 2
