@@ -16,6 +16,7 @@ CAPTIONS = {
     "fig8": "Fig. 8. Three humans, and the visit as this run's config has it.",
     "fig8_best_match": "Fig. 8 right with the best match found (`fig8_best_match`).",
     "fig9": "Fig. 9. An interaction with Human 2.",
+    "grid": "What the run varies: the level against each setting, and the learning curves of its values.",
     "affordances": "Fig. 4 as the social module of seed 0 learned it, what it would do around the human, and how both "
     "change in a visit (`visitlab affordances`).",
 }
