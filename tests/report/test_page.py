@@ -133,7 +133,7 @@ def test_every_line_is_there_without_a_script_and_says_what_it_is_of(grid_page):
     assert sorted(lines) == list(range(len(choices["lines"])))
     assert not any("hidden" in attributes for _, attributes in parsed.elements)
     fixed = ["Task", "Experiment", "Module", "Agent", "Human"]
-    heads = [*fixed, "plan_every", "distances", "p_S", "p_A"]
+    heads = [*fixed, "plan_every", "p_S", "p_A", "distances"]
     assert choices["heads"] == heads
     of = [
         {
