@@ -16,7 +16,7 @@ RESULTS = "results"
 READERS: dict[str, Reader] = {"trials": trials_of, "steps": steps_of, "models": model_of}
 CONTENTS = (*READERS, RESULTS)
 CSV, PARQUET = "csv", "parquet"
-TEXTS = ("name", "experiment", "agent", "human", "measure", "sources")
+TEXTS = ("name", "experiment", "agent", "human", "measure", "n_of", "sources")
 COUNTS = ("cells_done", "cells", "n")
 STARTS_FORMULA = re.compile("[\\s\ufeff\u200b]*[=+\\-@\uff1d\uff0b\uff0d\uff20]|[\\t\\r\\n]")
 """What spreadsheets take for a formula, some after a space, some in wide letters, some after a break."""
