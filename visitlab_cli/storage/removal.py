@@ -26,8 +26,8 @@ from visitlab_cli.storage.run_folder import CONFIG, VERSIONS, hash_of_name, is_r
 YOUNG = 60.0
 """Seconds in which a temporary file may still be in use."""
 FIGURES = "figures"
-_FIGURE = re.compile(r"fig[6-9]\.(svg|png|pdf)")
-"""The pictures that `visitlab figures` draws into a run."""
+_FIGURE = re.compile(r"(fig[6-9]|grid|matrix|affordances[\w.-]*)\.(svg|png|pdf)")
+"""The pictures that visitlab draws into a run."""
 OF_EVALUATION = frozenset({OPTIONS, "matrix.svg"})
 """Files that visitlab writes, or wrote, in the folder of an evaluation."""
 
