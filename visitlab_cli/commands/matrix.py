@@ -56,10 +56,13 @@ def play_matrix(run: Path, planned: "Planned", picture: Path | None, how: How) -
     """
     from visitlab_cli.figures.matrix_picture import save_matrix
     from visitlab_cli.results.matrix import matrix_of
+    from visitlab_cli.storage.inside import check_inside
 
     failures = run_missing(run, [cell for each in planned.values() for cell in each], how)
     if failures is None:
         return
+    if picture is None:
+        check_inside(run, run / PICTURE)
     matrix, target = matrix_of(run, planned), picture or run / PICTURE
     if how.as_json:
         tell_json({"run": str(run), **matrix.as_json(), "picture": str(target)})
