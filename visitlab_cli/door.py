@@ -14,14 +14,16 @@ from visitlab_cli.config.problems import or_else
 from visitlab_cli.errors import NotFoundError, UsageError
 from visitlab_cli.execution.cells import Cell, plan
 from visitlab_cli.execution.evaluation import Evaluation
+from visitlab_cli.execution.saved import model_of as model_in
+from visitlab_cli.execution.saved import trials_of as trials_in
 from visitlab_cli.recording.reader import Columns, read_steps, read_trial
 from visitlab_cli.results.evaluated import evaluated
 from visitlab_cli.results.export import results_table
 from visitlab_cli.results.groups import point_of
 from visitlab_cli.results.summary import summaries
 from visitlab_cli.results.tables import Reader, model_of, stacked, steps_of, trials_of
-from visitlab_cli.storage.arrays import Arrays, read_model, read_trials
-from visitlab_cli.storage.cell_folder import MODEL, STEPS, TRIALS, read_cell
+from visitlab_cli.storage.arrays import Arrays
+from visitlab_cli.storage.cell_folder import STEPS, read_cell
 from visitlab_cli.storage.made_by import sources_of
 from visitlab_cli.storage.run_folder import find_run, read_config, read_versions
 
@@ -41,6 +43,8 @@ class LoadedCell:
     point: dict[str, str]
     seed: int
     facts: dict[str, Any] = field(repr=False)
+    _run: Path = field(repr=False)
+    _planned: Cell = field(repr=False)
 
     @property
     def sources(self) -> str:
@@ -50,12 +54,12 @@ class LoadedCell:
     @property
     def trials(self) -> Arrays:
         """`trial`, `reward`, in a visit `goals`, each of shape (trials,)."""
-        return read_trials(self.folder / TRIALS)
+        return trials_in(self._run, self._planned)
 
     @property
     def model(self) -> Arrays:
         """What the agent learned: `q` of shape (states, actions), and the other arrays of `model.npz`."""
-        return read_model(self.folder / MODEL)
+        return model_in(self._run, self._planned)
 
     def steps(self, columns: Sequence[str] | None = None) -> Columns:
         """The recorded steps: the log's columns, or those asked for, each of shape (steps,), enums as numbers."""
@@ -162,7 +166,7 @@ def _name(evaluation: Evaluation) -> str:
 
 def _loaded(run: Path, cell: Cell, facts: dict[str, Any]) -> LoadedCell:
     names = cell.experiment, cell.agent, cell.human
-    return LoadedCell(run / cell.path, cell.path, *names, dict(point_of(cell)), cell.seed, facts)
+    return LoadedCell(run / cell.path, cell.path, *names, dict(point_of(cell)), cell.seed, facts, run, cell)
 
 
 def _pandas() -> Any:

@@ -12,9 +12,10 @@ from visitlab_cli.affordances.policy import PolicyMap, policy_map
 from visitlab_cli.affordances.truth import FIRST_ENGAGED, Truth, true_transitions
 from visitlab_cli.errors import NotFoundError, RunError
 from visitlab_cli.execution.cells import Cell
+from visitlab_cli.execution.saved import model_of
 from visitlab_cli.execution.selection import Selection
-from visitlab_cli.storage.arrays import Arrays, read_model
-from visitlab_cli.storage.cell_folder import MODEL, read_cell
+from visitlab_cli.storage.arrays import Arrays
+from visitlab_cli.storage.cell_folder import read_cell
 from visitlab_cli.world.tasks import SOCIAL
 
 Table = npt.NDArray[np.float64]
@@ -68,12 +69,12 @@ def affordances(run: Path, cells: Sequence[Cell], selection: Selection = FIRST) 
         RunError: a model's file is damaged.
     """
     trained = _chosen(run, cells, selection)
-    model = read_model(run / trained.path / MODEL)
+    model = model_of(run, trained)
     counts = learned_counts(model)
     adaptations: dict[tuple[str, str], Adaptation] = {}
     for visit in _visits_of(run, cells, trained):
         if (visit.experiment, visit.human) not in adaptations:
-            now = read_model(run / visit.path / MODEL)
+            now = model_of(run, visit)
             adaptations[visit.experiment, visit.human] = _adaptation(visit, counts, now)
     return Affordances(trained, graph(counts, _truth(trained)), policy_map(model), list(adaptations.values()))
 

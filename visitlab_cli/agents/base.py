@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 from pydantic import Field
 
+from visitlab_cli.agents.declared import LARGEST, Declared
 from visitlab_cli.compiled import Operation
 from visitlab_cli.settings import Settings
 from visitlab_cli.world.tasks import TASK_NAMES
@@ -56,6 +57,22 @@ class AgentParameters(Settings):
         """The arrays of a record, with their public names (`q`, `visits`, `reward_sums`, `successor_*`)."""
         raise NotImplementedError
 
+    def arrays(self, setting: "Setting") -> dict[str, Declared]:
+        """What each array is that `save` gives, so that no file can hold another.
+
+        Of a kind that does not say it: what those of a new agent are, any finite numbers, of any length where they
+        are empty.
+        """
+        new = self.save(self.create(setting._replace(steps=1)))
+        return {
+            name: Declared(array.dtype.str, tuple(size or None for size in array.shape), *_limits(array.dtype))
+            for name, array in new.items()
+        }
+
+    def fault(self, setting: "Setting", saved: Saved) -> str | None:
+        """What is wrong with saved arrays taken together, each being as it was declared; None where nothing is."""
+        return None
+
 
 class Setting(NamedTuple):
     """Where an agent plays: `task`, the sizes of its tables, how many steps it may take, who else is declared."""
@@ -85,6 +102,12 @@ CHOOSE = Operation(_choose)
 LEARN = Operation(_learn)
 choose = CHOOSE.function
 learn = LEARN.function
+
+
+def _limits(dtype: np.dtype[Any]) -> tuple[float, float]:
+    if dtype.kind not in "iu":
+        return -LARGEST, LARGEST
+    return int(np.iinfo(dtype).min), int(np.iinfo(dtype).max)
 
 
 def zeros(setting: Setting) -> npt.NDArray[np.float64]:

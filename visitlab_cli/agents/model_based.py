@@ -17,10 +17,12 @@ from visitlab_cli.agents.base import (
     Setting,
     zeros,
 )
+from visitlab_cli.agents.declared import Declared, fault_in_model, floats
 from visitlab_cli.agents.exploration import Table, epsilon_greedy
 from visitlab_cli.agents.sparse_model import (
     SparseModel,
     count,
+    declared_model,
     empty_model,
     restored_model,
     saved_model,
@@ -76,6 +78,14 @@ class ModelBasedParameters(AgentParameters):
     def save(self, record: ModelBased) -> Saved:
         """Q and the learned model."""
         return {"q": record.q, **saved_model(record.model, record.q.shape[1])}
+
+    def arrays(self, setting: Setting) -> dict[str, Declared]:
+        """The table and the learned model."""
+        return {"q": floats(setting.n_states, setting.n_actions), **declared_model(setting)}
+
+    def fault(self, setting: Setting, saved: Saved) -> str | None:
+        """Whether the model is one."""
+        return fault_in_model(saved)
 
 
 @CHOOSE.of(ModelBased)

@@ -8,6 +8,7 @@ from pydantic import Field
 from visitlab_cli.agents.base import CHOOSE, LEARN, AgentParameters, Saved, Setting
 from visitlab_cli.agents.base import choose as choose_of
 from visitlab_cli.agents.base import learn as learn_of
+from visitlab_cli.agents.declared import Declared
 from visitlab_cli.agents.q_learning import QLearning, QLearningParameters
 from visitlab_cli.random_numbers import RandomState
 from visitlab_cli.world.tasks import GO_TO_HUMAN, NAVIGATION, SOCIAL, VISIT
@@ -58,6 +59,10 @@ class ObserverParameters(AgentParameters):
         """The table and how often each pair was updated."""
         table = record.learner if isinstance(record, Observer) else record
         return {"q": table.q, "visits": table.visits}
+
+    def arrays(self, setting: Setting) -> dict[str, Declared]:
+        """Those of the agent that it becomes."""
+        return self._q_learners(setting)[1].arrays(setting)
 
 
 @CHOOSE.of(Observer)

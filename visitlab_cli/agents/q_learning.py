@@ -7,6 +7,7 @@ import numpy as np
 from pydantic import Field
 
 from visitlab_cli.agents.base import CHOOSE, EPSILON, GAMMA, LEARN, AgentParameters, Saved, Setting, zeros
+from visitlab_cli.agents.declared import Declared, counts, floats
 from visitlab_cli.agents.exploration import Table, epsilon_greedy, maximum
 from visitlab_cli.agents.sparse_model import Counts
 from visitlab_cli.random_numbers import RandomState
@@ -47,6 +48,10 @@ class QLearningParameters(AgentParameters):
     def save(self, record: QLearning) -> Saved:
         """The table and how often each pair was updated."""
         return {"q": record.q, "visits": record.visits}
+
+    def arrays(self, setting: Setting) -> dict[str, Declared]:
+        """The table and the counts."""
+        return {"q": floats(setting.n_states, setting.n_actions), "visits": counts(setting.n_states, setting.n_actions)}
 
 
 @CHOOSE.of(QLearning)

@@ -11,6 +11,7 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from visitlab_cli.agents.base import AgentParameters, Saved, Setting, zeros
+from visitlab_cli.agents.declared import Declared, floats
 from visitlab_cli.agents.greedy_table import GreedyTable
 from visitlab_cli.world.enums import (
     N_DIRECTIONS,
@@ -66,6 +67,10 @@ class ScriptedParameters(AgentParameters):
     def save(self, record: GreedyTable) -> Saved:
         """The table."""
         return {"q": record.q}
+
+    def arrays(self, setting: Setting) -> dict[str, Declared]:
+        """The table."""
+        return {"q": floats(setting.n_states, setting.n_actions)}
 
 
 def scripted_action(level: int, distance: int, desired: int, angle: int) -> int:

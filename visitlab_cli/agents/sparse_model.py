@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from visitlab_cli.agents.base import Saved, Setting
+from visitlab_cli.agents.declared import Declared, counts, floats
 from visitlab_cli.agents.exploration import Table, maximum
 from visitlab_cli.compiled import kernel
 
@@ -116,6 +117,19 @@ def saved_model(model: SparseModel, n_actions: int) -> Saved:
         "successor_offsets": offsets,
         "successor_states": model.pool_states[places],
         "successor_counts": model.pool_counts[places],
+    }
+
+
+def declared_model(setting: Setting) -> dict[str, Declared]:
+    """What each array is that `saved_model` gives."""
+    states, actions = setting.n_states, setting.n_actions
+    most = states * actions * states
+    return {
+        "visits": counts(states, actions),
+        "reward_sums": floats(states, actions),
+        "successor_offsets": counts(states * actions + 1, high=most, dtype="<i8"),
+        "successor_states": counts(None, high=states - 1),
+        "successor_counts": counts(None, low=1),
     }
 
 

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from typing import ClassVar, Literal, NamedTuple
 
 from visitlab_cli.agents.base import CHOOSE, LEARN, AgentParameters, Saved, Setting, zeros
+from visitlab_cli.agents.declared import Declared, floats
 from visitlab_cli.agents.exploration import Table
 from visitlab_cli.random_numbers import RandomState, random_below
 from visitlab_cli.world.tasks import GO_TO_HUMAN, NAVIGATION, SOCIAL, VISIT
@@ -32,6 +33,10 @@ class RandomParameters(AgentParameters):
     def save(self, record: UniformRandom) -> Saved:
         """A table of zeros, so that every model has one."""
         return {"q": record.q}
+
+    def arrays(self, setting: Setting) -> dict[str, Declared]:
+        """The table."""
+        return {"q": floats(setting.n_states, setting.n_actions)}
 
 
 @CHOOSE.of(UniformRandom)

@@ -30,6 +30,7 @@ def command(
     from visitlab_cli.errors import RunError, VisitlabError
     from visitlab_cli.execution.cells import plan
     from visitlab_cli.execution.evaluation import unknown_evaluations
+    from visitlab_cli.execution.saved import unsound
     from visitlab_cli.execution.versions import versions
     from visitlab_cli.results.evaluated import evaluated
     from visitlab_cli.storage.inside import check_all_inside
@@ -48,7 +49,9 @@ def command(
     except VisitlabError:  # `verify` says what is wrong with the config
         config, planned, played = None, [], []
     check_all_inside(folder, [cell.path for cell in [*planned, *played]])
-    checked = verify(folder, {cell.path: cell.steps for cell in [*planned, *played]}, versions())
+    cells = {cell.path: cell for cell in [*planned, *played]}
+    steps = {path: cell.steps for path, cell in cells.items()}
+    checked = verify(folder, steps, versions(), lambda path: unsound(folder, cells[path]))
     options = [Fault(path, OPTIONS, "missing or damaged") for path in unknown_evaluations(folder)]
     checked = checked._replace(faults=[*checked.faults, *options])
     failed = {} if dry_run else set_faults_aside(folder, checked.faults)

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from visitlab_cli.config.building import build
 from visitlab_cli.config.document import Node, Place
-from visitlab_cli.config.files import find
+from visitlab_cli.config.files import find, read_content
 from visitlab_cli.config.grid import with_checked_grid
 from visitlab_cli.config.include import read_with_includes
 from visitlab_cli.config.model import Config
@@ -39,6 +39,16 @@ def load(name: str | Path, overrides: Sequence[str] = ()) -> Config:
             instead = f"override vary.{key}=[{text}]"
             raise UsageError(f"override {shown(key)}: has no effect, for the config varies it; {instead} instead")
     return config
+
+
+def load_content(content: bytes, path: Path) -> Config:
+    """The config in the bytes of a file that stands for itself, such as a run's own: it includes no other.
+
+    Raises:
+        ConfigError: as `load`.
+    """
+    document, problems = read_content(content, path)
+    return with_checked_grid(build(document, problems), document)
 
 
 def load_text(text: str, source: str) -> Config:

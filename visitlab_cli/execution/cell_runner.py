@@ -15,12 +15,13 @@ from visitlab_cli.agents.greedy_table import GreedyTable
 from visitlab_cli.config.canonical import hashed_yaml
 from visitlab_cli.execution.build import Simulation, build
 from visitlab_cli.execution.cells import Cell
+from visitlab_cli.execution.saved import modules_of
 from visitlab_cli.execution.versions import versions
 from visitlab_cli.random_numbers import RandomState, random_state
 from visitlab_cli.recording.writer import StepRecorder
 from visitlab_cli.simulation.loop import BLOCK_ROWS, START, play
 from visitlab_cli.sources import sources
-from visitlab_cli.storage.arrays import read_model, write_model, write_trials
+from visitlab_cli.storage.arrays import write_model, write_trials
 from visitlab_cli.storage.cell_folder import MODEL, SOURCES, STEPS, TRIALS, NewCell
 from visitlab_cli.world.columns import StepColumns, empty_columns
 from visitlab_cli.world.tasks import VISIT
@@ -43,7 +44,7 @@ def run_cell(run: Path, cell: Cell, report: Report) -> None:
     """
     started = time.perf_counter()
     start = datetime.now(UTC)
-    models = {module: read_model(run / path / MODEL) for module, path in cell.modules.items()}
+    models = modules_of(run, cell)
     simulation = build(cell, models)
     random = random_state(cell.config.seed, cell.path, STREAM)
     with NewCell(run, cell.path) as new:

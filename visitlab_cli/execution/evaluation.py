@@ -11,6 +11,7 @@ from visitlab_cli.errors import RunError
 from visitlab_cli.storage.cell_folder import one_line, to_json
 from visitlab_cli.storage.inside import check_inside, is_real
 from visitlab_cli.storage.on_disk import EVALUATIONS, OPTIONS
+from visitlab_cli.storage.reading import read_json
 from visitlab_cli.whole_file import write_whole
 
 
@@ -55,6 +56,8 @@ class Evaluation:
 
 
 AS_DECLARED = Evaluation()
+MOST_TRIALS = 10**9
+"""Of a visit, as `visitlab eval` takes them."""
 
 
 def record_evaluation(run: Path, evaluation: Evaluation) -> None:
@@ -94,11 +97,26 @@ def _folders(run: Path) -> list[Path]:
     return [path for path in sorted((run / EVALUATIONS).iterdir()) if is_real(path)]
 
 
+def _can_be(told: Any) -> bool:
+    """Whether a document says options of the right kinds."""
+    humans, trials, social = told["humans"], told["trials"], told["social"]
+    return (
+        isinstance(humans, list)
+        and all(isinstance(human, str) for human in humans)
+        and (trials is None or (type(trials) is int and 1 <= trials <= MOST_TRIALS))
+        and type(told["frozen"]) is bool
+        and isinstance(social, str)
+        and (not social or social.count("/") in (1, 2))
+    )
+
+
 def _read(file: Path) -> Evaluation | None:
     try:
-        told = json.loads(file.read_bytes())
+        told = read_json(file)
+        if not _can_be(told):
+            return None
         found = Evaluation(tuple(told["humans"]), told["trials"], told["frozen"], told["social"])
         whole = to_json(found.as_json()) == to_json(told) and found.folder == f"{EVALUATIONS}/{file.parent.name}/"
-    except (OSError, ValueError, KeyError, TypeError, RecursionError):
+    except (OSError, ValueError, KeyError, TypeError):
         return None
     return found if whole else None

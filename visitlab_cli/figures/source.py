@@ -11,8 +11,8 @@ import numpy.typing as npt
 from visitlab_cli.analysis.counterparts import Condition, Counterpart, counterparts
 from visitlab_cli.config.model import Config
 from visitlab_cli.execution.cells import Cell, plan
-from visitlab_cli.storage.arrays import read_model, read_trials
-from visitlab_cli.storage.cell_folder import MODEL, TRIALS, read_cell
+from visitlab_cli.execution.saved import model_of, trials_of
+from visitlab_cli.storage.cell_folder import read_cell
 from visitlab_cli.storage.run_folder import read_config
 
 Floats = npt.NDArray[np.float64]
@@ -29,11 +29,11 @@ class Group:
 
     def rewards(self) -> Floats:
         """The reward of each trial (in a visit its goals), shape (cells, trials)."""
-        return np.stack([read_trials(self.run / cell.path / TRIALS)["reward"] for cell in self.cells])
+        return np.stack([trials_of(self.run, cell, as_planned=True)["reward"] for cell in self.cells])
 
     def tables(self) -> Floats:
         """The learned Q of each cell, shape (cells, states, actions)."""
-        return np.stack([read_model(self.run / cell.path / MODEL)["q"] for cell in self.cells])
+        return np.stack([model_of(self.run, cell)["q"] for cell in self.cells])
 
 
 @dataclass(frozen=True)

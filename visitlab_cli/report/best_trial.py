@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from visitlab_cli.execution.cells import Cell
+from visitlab_cli.execution.saved import trials_of
 from visitlab_cli.recording.reader import check_values, read_trial
 from visitlab_cli.results.groups import Group
 from visitlab_cli.results.varying import BETWEEN, Varying, varying
@@ -16,8 +17,7 @@ from visitlab_cli.scene.scene import Scene
 from visitlab_cli.scene.shapes import Area, Arrow, Body, Role, Shape, Sight, Speech, Vectors
 from visitlab_cli.scene.trial import Trial
 from visitlab_cli.scene.words import Steps, captions
-from visitlab_cli.storage.arrays import read_trials
-from visitlab_cli.storage.cell_folder import STEPS, TRIALS, read_cell
+from visitlab_cli.storage.cell_folder import STEPS, read_cell
 from visitlab_cli.world.enums import N_DIRECTIONS
 from visitlab_cli.world.lab import LAB_SIZE
 from visitlab_cli.world.tasks import VISIT
@@ -51,7 +51,7 @@ def _best_of(run: Path, group: Group, varied: Varying) -> list[dict[str, Any]]:
         one_in = cell.config.record.one_trial_in
         if not one_in or read_cell(run / cell.path) is None:
             continue
-        rewards = read_trials(run / cell.path / TRIALS)["reward"][::one_in]
+        rewards = trials_of(run, cell)["reward"][::one_in]
         place = int(np.argmax(rewards))
         if best is None or rewards[place] > best[0]:
             best = float(rewards[place]), place * one_in, cell

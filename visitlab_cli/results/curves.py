@@ -12,9 +12,9 @@ import numpy.typing as npt
 
 from visitlab_cli.errors import RunError
 from visitlab_cli.execution.cells import Cell
+from visitlab_cli.execution.saved import trials_of
 from visitlab_cli.results.estimates import half_width
 from visitlab_cli.results.units import Units, by_unit
-from visitlab_cli.storage.arrays import read_trials
 from visitlab_cli.storage.cell_folder import TRIALS
 from visitlab_cli.world.tasks import VISIT
 
@@ -83,16 +83,16 @@ def curve_of(run: Path, cells: Sequence[Cell], edges: Integers) -> Curve:
         RunError: a table of trials is damaged, or has fewer trials than the batches.
     """
     units = {
-        unit: np.array([in_batches(_rewards(run / cell.path / TRIALS, edges[-1]), edges) for cell in members])
+        unit: np.array([in_batches(_rewards(run, cell, edges[-1]), edges) for cell in members])
         for unit, members in by_unit(cells).items()
     }
     return Curve(edges, units, 1 if cells[0].task == VISIT else cells[0].settings.trial_steps)
 
 
-def _rewards(file: Path, trials: int) -> Floats:
-    rewards: Floats = read_trials(file)["reward"]
+def _rewards(run: Path, cell: Cell, trials: int) -> Floats:
+    rewards: Floats = trials_of(run, cell)["reward"]
     if len(rewards) < trials:
-        raise RunError(f"{file}: has {len(rewards)} trials, not {trials}")
+        raise RunError(f"{run / cell.path / TRIALS}: has {len(rewards)} trials, not {trials}")
     return rewards
 
 

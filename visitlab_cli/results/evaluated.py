@@ -37,4 +37,6 @@ def _declared(config: Config, options: Evaluation) -> bool:
         training = config.experiments.get(social.experiment)
         if training is None or isinstance(training, Visit) or social.agent not in training.agents:
             return False
+        if social.human is not None and social.human not in training.met:
+            return False
     return names <= set(config.humans)

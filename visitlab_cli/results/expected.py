@@ -10,9 +10,9 @@ from visitlab_cli.config.model import Config
 from visitlab_cli.config.problems import or_else
 from visitlab_cli.errors import ConfigError
 from visitlab_cli.execution.cells import Cell
+from visitlab_cli.execution.saved import trials_of
 from visitlab_cli.results.groups import Measure, Point, groups_of, reached, unit_values
-from visitlab_cli.storage.arrays import read_trials
-from visitlab_cli.storage.cell_folder import TRIALS, read_cell
+from visitlab_cli.storage.cell_folder import read_cell
 from visitlab_cli.world.tasks import VISIT
 
 
@@ -74,7 +74,7 @@ def _measured(cells: Sequence[Cell], trials: Sequence[int] | None) -> tuple[str,
     def between(run: Path, cell: Cell) -> float | None:
         if read_cell(run / cell.path) is None:
             return None
-        part = read_trials(run / cell.path / TRIALS)["reward"][first - 1 : last]
+        part = trials_of(run, cell)["reward"][first - 1 : last]
         return float(part.mean()) if len(part) else None
 
     return f"{measure.partition(',')[0]}, {first} to {last}", between

@@ -64,7 +64,7 @@ def _aligned(run: Path, cells: Sequence[Cell], read: Reader) -> Iterator[Any]:
     import pyarrow
 
     one_of_each_task = {cell.task: cell for cell in reversed(cells)}.values()
-    schemas = [read(run / cell.path).schema for cell in one_of_each_task]
+    schemas = [read(run, cell).schema for cell in one_of_each_task]
     for table in tables(run, cells, read):
         schema = pyarrow.unify_schemas([table.schema, *schemas])
         schemas = [schema]

@@ -7,9 +7,9 @@ from typing import NamedTuple
 from visitlab_cli.config.grid import value_in_words
 from visitlab_cli.execution.cells import Cell
 from visitlab_cli.execution.evaluation import Evaluation
+from visitlab_cli.execution.saved import trials_of
 from visitlab_cli.results.units import by_unit
-from visitlab_cli.storage.arrays import read_trials
-from visitlab_cli.storage.cell_folder import TRIALS, read_cell
+from visitlab_cli.storage.cell_folder import read_cell
 from visitlab_cli.world.tasks import VISIT
 
 Point = tuple[tuple[str, str], ...]
@@ -66,7 +66,7 @@ def reached(run: Path, cell: Cell) -> float | None:
     if facts is None:
         return None
     if cell.frozen:
-        return float(read_trials(run / cell.path / TRIALS)["reward"].mean())
+        return float(trials_of(run, cell)["reward"].mean())
     return float(facts["mean_reward_last_tenth"])
 
 

@@ -1,6 +1,5 @@
 """What a run reached: a line for each experiment, agent, human and point of the grid, over its seeds."""
 
-import json
 import math
 from collections.abc import Sequence
 from pathlib import Path
@@ -11,12 +10,13 @@ import numpy as np
 import numpy.typing as npt
 
 from visitlab_cli.execution.cells import Cell
+from visitlab_cli.execution.saved import trials_of
 from visitlab_cli.results.curves import in_batches
 from visitlab_cli.results.estimates import Estimate, mean_of
 from visitlab_cli.results.groups import Group, groups_of, unit_values
 from visitlab_cli.results.units import Units
-from visitlab_cli.storage.arrays import read_trials
-from visitlab_cli.storage.cell_folder import TIMING, TRIALS, read_cell
+from visitlab_cli.storage.cell_folder import read_cell
+from visitlab_cli.storage.facts import seconds_of
 from visitlab_cli.storage.made_by import made_by
 
 LEVEL = 0.9
@@ -97,7 +97,7 @@ def _summary(run: Path, group: Group, level: float) -> Summary:
         return Summary(group, 0, 0, None, None, None, None, None, ())
     values = list(unit_values(run, done).values())
     value = mean_of(values)
-    seconds = [time for cell in done if (time := _seconds(run / cell.path)) is not None]
+    seconds = [time for cell in done if (time := seconds_of(run / cell.path)) is not None]
     wanted = level * value.mean if value.mean > 0 else None
     return Summary(
         group,
@@ -113,10 +113,7 @@ def _summary(run: Path, group: Group, level: float) -> Summary:
 
 
 def _median_steps(run: Path, cells: Sequence[Cell], level: float) -> float | None:
-    steps = [
-        steps_to(level, read_trials(run / cell.path / TRIALS)["reward"], cell.settings.trial_steps, cell.steps)
-        for cell in cells
-    ]
+    steps = [steps_to(level, trials_of(run, cell)["reward"], cell.settings.trial_steps, cell.steps) for cell in cells]
     middle = median(steps)
     return middle if math.isfinite(middle) else None
 
@@ -133,11 +130,3 @@ def steps_to(level: float, rewards: npt.NDArray[np.float64], trial_steps: int, s
     ends = np.linspace(0, len(rewards), min(BATCHES, len(rewards)) + 1).astype(np.int64)
     reached = np.flatnonzero(in_batches(rewards, ends) >= level)
     return float(min(ends[reached[0] + 1] * trial_steps, steps)) if len(reached) else math.inf
-
-
-def _seconds(folder: Path) -> float | None:
-    """How long a cell took; no hash covers its file, so nothing is said where it is not as it should be."""
-    try:
-        return float(json.loads((folder / TIMING).read_bytes())["seconds"])
-    except (OSError, ValueError, KeyError, TypeError):
-        return None

@@ -8,30 +8,31 @@ from typing import Any
 import numpy as np
 
 from visitlab_cli.errors import NotFoundError
+from visitlab_cli.execution import saved
 from visitlab_cli.execution.cells import Cell
 from visitlab_cli.recording.reader import check_values, read_steps
 from visitlab_cli.recording.tables import to_arrow
 from visitlab_cli.results.groups import point_of
-from visitlab_cli.storage.arrays import read_model, read_trials
-from visitlab_cli.storage.cell_folder import MODEL, STEPS, TRIALS
+from visitlab_cli.storage.cell_folder import STEPS
 
-Reader = Callable[[Path], Any]
-"""From a cell's folder to its `pyarrow.Table`."""
+Reader = Callable[[Path, Cell], Any]
+"""From a run's folder and a cell to its `pyarrow.Table`."""
 _MODEL_SEED = re.compile(r"/model-(\d+)/")
 
 
-def trials_of(folder: Path) -> Any:
+def trials_of(run: Path, cell: Cell) -> Any:
     """A row a trial: `trial`, `reward`, in a visit `goals`."""
-    return to_arrow(read_trials(folder / TRIALS))
+    return to_arrow(saved.trials_of(run, cell))
 
 
-def steps_of(folder: Path, columns: Sequence[str] | None = None) -> Any:
+def steps_of(run: Path, cell: Cell, columns: Sequence[str] | None = None) -> Any:
     """A row a recorded step: the log's columns, or those asked for, enums by their names.
 
     Raises:
         NotFoundError: the cell has no log.
         RunError: it is damaged, or has values that there are not.
     """
+    folder = run / cell.path
     if not (folder / STEPS).is_file():
         raise NotFoundError(f"{folder}: has no log, its config records no steps; run it with record.steps=every")
     steps = read_steps(folder / STEPS, columns)
@@ -39,9 +40,9 @@ def steps_of(folder: Path, columns: Sequence[str] | None = None) -> Any:
     return to_arrow(steps, named=True)
 
 
-def model_of(folder: Path) -> Any:
+def model_of(run: Path, cell: Cell) -> Any:
     """A row a state and action: `state`, `action`, and each table of the model that has a value for them."""
-    arrays = read_model(folder / MODEL)
+    arrays = saved.model_of(run, cell)
     states, actions = arrays["q"].shape
     tables = {name: array.ravel() for name, array in arrays.items() if array.shape == (states, actions)}
     index = np.indices((states, actions), dtype=np.int32).reshape(2, -1)
@@ -58,7 +59,7 @@ def tables(run: Path, cells: Sequence[Cell], read: Reader) -> Iterator[Any]:
     kinds = {name: _kind([each.get(name) for each in labels]) for each in labels for name in each}
     names = [name for name in kinds if name not in LAST] + [name for name in LAST if name in kinds]
     for cell, values in zip(cells, labels, strict=True):
-        table = read(run / cell.path)
+        table = read(run, cell)
         for place, name in enumerate(names):
             table = table.add_column(place, name, _repeated(values.get(name), kinds[name], table.num_rows))
         yield table

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 import yaml
 
+from visitlab_cli.agents.declared import floats
 from visitlab_cli.errors import RunError, VisitlabError
 from visitlab_cli.recording.reader import check_values, read_attachment, read_metadata, read_trial
 from visitlab_cli.recording.schema import CONFIG_NAME
@@ -108,10 +109,9 @@ def load_trial(path: Path, number: int) -> Trial:
 def _learned(path: Path, task: str) -> Values | None:
     """The Q of the model beside the log, if there is a sound one."""
     try:
-        q = read_model(path.with_name(MODEL))["q"]
+        return read_model(path.with_name(MODEL), {"q": floats(*TASKS[task].size(paper_lab()))})["q"]
     except (VisitlabError, KeyError):
         return None
-    return q if q.shape == tuple(TASKS[task].size(paper_lab())) else None
 
 
 def _config(path: Path) -> dict[str, Any]:

@@ -1,22 +1,38 @@
 """A model's arrays and the table of trials as files, written the same for the same content, read with care."""
 
-import zipfile
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from visitlab_cli.errors import NotFoundError, RunError
+from visitlab_cli.agents.declared import Declared
+from visitlab_cli.config.problems import printable
+from visitlab_cli.errors import NotFoundError, RunError, reason
+from visitlab_cli.storage.npz import Arrays, NotAModelError, read_npz
+from visitlab_cli.storage.parquet import decode
+from visitlab_cli.storage.reading import is_file, read_bytes
 
-Arrays = dict[str, npt.NDArray[Any]]
-LARGEST_ARRAY = 4 * 2**30  # bytes that a model's file may claim for one array
+__all__ = ["Arrays", "damaged", "read_model", "read_trials", "write_model", "write_trials"]
+
+MOST_TRIALS = 256 << 20
+"""Bytes of a table of trials."""
+LARGEST_REWARD = 1e12
+COLUMNS = {"trial": "<i4", "reward": "<f8", "goals": "<i4"}
+"""Those of `trials.parquet`; only a visit has `goals`."""
+
+
+def damaged(file: Path, why: str) -> RunError:
+    """That a file of a run is damaged, and what to do."""
+    return RunError(f"{printable(str(file))}: damaged: {why}{_mended(file)}")
 
 
 def _mended(file: Path) -> str:
     """How a damaged file of a run is mended; nothing for one that lies in none."""
-    runs = [folder for folder in file.parents if (folder / "config.yaml").is_file()]
-    return f"; visitlab runs verify {runs[0]} sets it aside, and running again mends it" if runs else ""
+    runs = [folder for folder in file.parents if is_file(folder / "config.yaml")]
+    if not runs:
+        return ""
+    return f"; visitlab runs verify {printable(str(runs[0]))} sets it aside, and running again mends it"
 
 
 def write_model(file: Path, arrays: Arrays) -> None:
@@ -24,27 +40,28 @@ def write_model(file: Path, arrays: Arrays) -> None:
     np.savez_compressed(file, **arrays)  # type: ignore[arg-type]  # (its stub takes any name for an option)
 
 
-def read_model(file: Path) -> Arrays:
+def read_model(file: Path, declared: Mapping[str, Declared] | None = None) -> Arrays:
     """Read the arrays of an `.npz`; nothing in it is ever executed.
+
+    Args:
+        file: the model.
+        declared: what each array must be, and which are read; where it is not known, all, whatever their shapes.
 
     Raises:
         NotFoundError: there is no such file.
-        RunError: the file is damaged or claims more than a model can hold.
+        RunError: the file is damaged, or not as declared.
     """
     try:
-        with zipfile.ZipFile(file) as archive:
-            members = archive.infolist()
-            names = [member.filename for member in members]
-            if len(set(names)) != len(names) or any(not name.endswith(".npy") for name in names):
-                raise RunError(f"{file}: not a model: {', '.join(names)}")
-            if any(member.file_size > LARGEST_ARRAY for member in members):
-                raise RunError(f"{file}: claims an array of over {LARGEST_ARRAY} bytes")
-        with np.load(file, allow_pickle=False) as loaded:
-            return {name: loaded[name] for name in loaded.files}
+        arrays = read_npz(file, declared)
     except FileNotFoundError:
-        raise NotFoundError(f"{file}: no such model") from None
-    except (OSError, ValueError, EOFError, zipfile.BadZipFile) as error:
-        raise RunError(f"{file}: damaged: {error}{_mended(file)}") from error
+        raise NotFoundError(f"{printable(str(file))}: no such model") from None
+    except NotAModelError as error:
+        raise RunError(f"{printable(str(file))}: {error}") from error
+    except (OSError, ValueError) as error:
+        raise damaged(file, reason(error)) from error
+    if "random_state" in arrays and not arrays["random_state"].any():
+        raise damaged(file, "random_state is zero, from which no number follows")
+    return arrays
 
 
 def write_trials(file: Path, trial_rewards: npt.NDArray[np.float64], with_goals: bool) -> None:
@@ -65,23 +82,39 @@ def write_trials(file: Path, trial_rewards: npt.NDArray[np.float64], with_goals:
         )
         for column in columns.values()
     ]
-    parquet.write_table(pyarrow.table(arrays, names=list(columns)), file)
+    parquet.write_table(pyarrow.table(arrays, names=list(columns)), file, compression="snappy", data_page_version="1.0")
 
 
-def read_trials(file: Path) -> Arrays:
+def read_trials(file: Path, trials: int | None = None, with_goals: bool | None = None) -> Arrays:
     """The columns of `trials.parquet`, each of shape (trials,).
+
+    Args:
+        file: the table.
+        trials: how many there must be, where that is known.
+        with_goals: whether it has a column `goals`, where that is known.
 
     Raises:
         NotFoundError: there is no such file.
-        RunError: the file is damaged.
+        RunError: the file is damaged, or not as it should be.
     """
-    import pyarrow
-    from pyarrow import parquet
-
     try:
-        table = parquet.read_table(file)
+        content = read_bytes(file, MOST_TRIALS)
+        found = decode(content, COLUMNS, optional=() if with_goals else ("goals",), rows=trials)
+        if with_goals is False and "goals" in found:
+            raise ValueError("has goals, which its task has not")
+        _check_trials(found)
     except FileNotFoundError:
-        raise NotFoundError(f"{file}: no such table of trials") from None
-    except (OSError, pyarrow.ArrowException) as error:
-        raise RunError(f"{file}: damaged: no table of trials{_mended(file)}") from error
-    return {name: table.column(name).to_numpy() for name in table.column_names}
+        raise NotFoundError(f"{printable(str(file))}: no such table of trials") from None
+    except (OSError, ValueError) as error:
+        raise damaged(file, f"no table of trials: {reason(error)}") from error
+    return found
+
+
+def _check_trials(found: Arrays) -> None:
+    rewards = found["reward"]
+    if (found["trial"] != np.arange(len(rewards))).any():
+        raise ValueError("its trials are not numbered from 0 on")
+    if not (np.abs(rewards) <= LARGEST_REWARD).all():
+        raise ValueError("has a reward that is no number, or too large")
+    if "goals" in found and (found["goals"] != np.trunc(rewards)).any():
+        raise ValueError("its goals are not its rewards")

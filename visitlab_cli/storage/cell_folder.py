@@ -17,25 +17,43 @@ from types import TracebackType
 from typing import Any, Self
 
 from visitlab_cli.errors import RunError
-from visitlab_cli.sources import is_sources
+from visitlab_cli.storage.facts import (
+    CELL,
+    CELL_FORMAT,
+    FACTS,
+    MODEL,
+    SOURCES,
+    STEPS,
+    TIMING,
+    TRIALS,
+    malformed,
+)
 from visitlab_cli.storage.inside import check_inside
 from visitlab_cli.storage.locks import Heart, HeldError, is_abandoned, lock, older_than_an_hour
+from visitlab_cli.storage.reading import open_file, read_json, size_of
 
-CELL_FORMAT = 1
-FACTS: dict[str, type | tuple[type, ...]] = {
-    "cell": str,
-    "seed": int,
-    "steps": int,
-    "trials": int,
-    "mean_reward_last_hundredth": (int, float),
-    "mean_reward_last_tenth": (int, float),
-    "config_hash": str,
-    "versions": dict,
-}
-"""What `cell.json` says beside `format` and `files`."""
-SOURCES = "sources"
-"""What it says, too, but for cells of version 0.1.0: the hash of the code that made it."""
-STEPS, TRIALS, MODEL, CELL, TIMING = "steps.mcap", "trials.parquet", "model.npz", "cell.json", "timing.json"
+__all__ = [
+    "CELL",
+    "CELL_FORMAT",
+    "FACTS",
+    "MODEL",
+    "SOURCES",
+    "STEPS",
+    "TIMING",
+    "TRIALS",
+    "NewCell",
+    "describe",
+    "is_left_over",
+    "lock_of",
+    "one_line",
+    "read_cell",
+    "reason",
+    "remove_leftovers",
+    "sync",
+    "to_json",
+    "write_durably",
+]
+
 TEMPORARY, LOCK = ".tmp-", ".lock"
 DAMAGED = ".damaged"
 """How the name of a file ends that was set aside."""
@@ -60,9 +78,9 @@ def to_json(document: Any) -> str:
 
 def describe(file: Path) -> dict[str, Any]:
     """Size in bytes and sha256 of a file."""
-    with file.open("rb") as stream:
+    with open_file(file) as stream:
         digest = hashlib.file_digest(stream, "sha256").hexdigest()
-    return {"size": file.stat().st_size, "sha256": digest}
+        return {"size": os.fstat(stream.fileno()).st_size, "sha256": digest}
 
 
 def write_durably(file: Path, text: str) -> None:
@@ -161,14 +179,11 @@ def read_cell(place: Path) -> dict[str, Any] | None:
     if place.is_symlink():
         return None
     try:
-        cell = json.loads((place / CELL).read_text(encoding="utf-8"))
-        if cell["format"] != CELL_FORMAT:
+        cell: dict[str, Any] = read_json(place / CELL)
+        if malformed(cell) is not None:
             return None
-        sizes = {name: (place / name).stat().st_size for name in cell["files"]}
-        whole = all(sizes[name] == facts["size"] for name, facts in cell["files"].items())
-        whole = whole and all(isinstance(cell[name], kind) for name, kind in FACTS.items())
-        whole = whole and (SOURCES not in cell or is_sources(cell[SOURCES]))
-    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
+        whole = all(size_of(place / name) == described["size"] for name, described in cell["files"].items())
+    except (OSError, ValueError):
         return None
     return cell if whole else None
 

@@ -21,6 +21,7 @@ from visitlab_cli.storage.on_disk import (
     is_seed_folder,
     leftovers,
 )
+from visitlab_cli.storage.reading import open_file
 from visitlab_cli.storage.run_folder import CONFIG, VERSIONS, hash_of_name, is_run, read_config, read_versions, run_name
 
 YOUNG = 60.0
@@ -166,7 +167,7 @@ def _begins_with(file: Path, beginning: bytes) -> bool:
     if file.is_symlink() or not file.is_file():
         return True  # a link is removed and not followed; what is not there is nobody's
     try:
-        with file.open("rb") as stream:
+        with open_file(file) as stream:
             return stream.read(len(beginning)) == beginning
     except OSError:
         return False

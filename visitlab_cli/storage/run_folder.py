@@ -1,12 +1,12 @@
 """A run's folder: `<name>-<hash>`, its resolved config, and how a user's word for a run finds it."""
 
-import json
 import re
 from collections.abc import Mapping
 from pathlib import Path
 
 from visitlab_cli.config.canonical import canonical_json, config_hash, dump_yaml, hashed
-from visitlab_cli.config.loading import load
+from visitlab_cli.config.files import MOST_BYTES
+from visitlab_cli.config.loading import load_content
 from visitlab_cli.config.model import Config
 from visitlab_cli.config.names import RESERVED_RUNS
 from visitlab_cli.config.problems import printable
@@ -14,6 +14,7 @@ from visitlab_cli.errors import ConfigError, NotFoundError, RunError, UsageError
 from visitlab_cli.storage.cell_folder import DAMAGED, one_line, read_cell, reason, sync, to_json, write_durably
 from visitlab_cli.storage.differences import differences, in_words
 from visitlab_cli.storage.on_disk import cell_folders, set_aside
+from visitlab_cli.storage.reading import read_bytes, read_json
 from visitlab_cli.whole_file import whole_file
 
 CONFIG, VERSIONS = "config.yaml", "versions.json"
@@ -104,8 +105,15 @@ def _write_versions(run: Path, versions: Mapping[str, str]) -> None:
     """
     finished = next((cell for folder in cell_folders(run) if (cell := read_cell(folder)) is not None), None)
     begun = to_json(dict(versions) if finished is None else finished["versions"])
-    if not (run / VERSIONS).exists() or (finished is None and (run / VERSIONS).read_bytes() != begun.encode()):
+    if not (run / VERSIONS).exists() or (finished is None and not _says(run / VERSIONS, begun)):
         _replace(run / VERSIONS, begun)
+
+
+def _says(file: Path, text: str) -> bool:
+    try:
+        return read_bytes(file, len(text.encode())) == text.encode()
+    except ValueError:  # it is longer
+        return False
 
 
 def read_config(run: Path) -> Config:
@@ -115,12 +123,16 @@ def read_config(run: Path) -> Config:
         NotFoundError: this is no run folder.
         RunError: its config is missing or damaged.
     """
-    if not (run / CONFIG).is_file():
-        if is_run(run):
-            raise RunError(f"{run / CONFIG}: missing; run the config that the run was made from, which writes it anew")
-        raise NotFoundError(f"{run}: not a run (it has no {CONFIG})")
+    file = run / CONFIG
     try:
-        return load(run / CONFIG)
+        return load_content(read_bytes(file, MOST_BYTES), file)
+    except (FileNotFoundError, NotADirectoryError):
+        if is_run(run):
+            anew = "run the config that the run was made from, which writes it anew"
+            raise RunError(f"{file}: missing; {anew}") from None
+        raise NotFoundError(f"{run}: not a run (it has no {CONFIG})") from None
+    except (OSError, ValueError) as error:
+        raise RunError(f"{printable(str(file))}: can't be read: {reason(error)}; move it away") from error
     except ConfigError as error:
         raise RunError(f"{str(error).splitlines()[0]} (the run's own config was edited)") from error
 
@@ -147,10 +159,10 @@ def read_versions(run: Path) -> dict[str, str]:
     """
     file = run / VERSIONS
     try:
-        versions = json.loads(file.read_bytes())
+        versions = read_json(file)
     except FileNotFoundError:
         raise RunError(f"{file}: missing; running again writes it") from None
-    except (OSError, ValueError, RecursionError):
+    except (OSError, ValueError):
         versions = None
     if not isinstance(versions, dict) or not all(isinstance(value, str) for value in versions.values()):
         raise RunError(f"{file}: damaged; delete it, and running again writes it")

@@ -4,8 +4,7 @@ A damaged cell can be set aside: its `cell.json` gets another name, so that the 
 again makes it, and it alone, anew.
 """
 
-import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -14,6 +13,7 @@ from visitlab_cli.errors import VisitlabError
 from visitlab_cli.storage.cell_folder import CELL, one_line
 from visitlab_cli.storage.differences import differences, in_words
 from visitlab_cli.storage.on_disk import cell_folders, set_aside, was_set_aside
+from visitlab_cli.storage.reading import read_json
 from visitlab_cli.storage.run_folder import CONFIG, VERSIONS, edited, hash_of_name, read_config, read_versions
 from visitlab_cli.storage.verify_cell import cell_faults
 
@@ -29,6 +29,10 @@ class Fault(NamedTuple):
         return f"{self.cell}/{self.file}: {self.problem}" if self.cell else f"{self.file}: {self.problem}"
 
 
+Unsound = Callable[[str], tuple[str, str] | None]
+"""From a cell's path to what is wrong with what it holds: the file and the problem."""
+
+
 class Verified(NamedTuple):
     """The paths of the cells found in a run, which of them are whole, and all that is wrong."""
 
@@ -37,7 +41,9 @@ class Verified(NamedTuple):
     faults: list[Fault]
 
 
-def verify(run: Path, steps: Mapping[str, int], versions: Mapping[str, str]) -> Verified:
+def verify(
+    run: Path, steps: Mapping[str, int], versions: Mapping[str, str], unsound: Unsound = lambda path: None
+) -> Verified:
     """Read every byte of a run and say what is not as it was written.
 
     Args:
@@ -45,6 +51,7 @@ def verify(run: Path, steps: Mapping[str, int], versions: Mapping[str, str]) -> 
         steps: the steps of each planned cell, by its path; of what is not planned, they are not checked, nor where
             the config is in doubt.
         versions: those of this program, which may have made a cell.
+        unsound: what the plan finds wrong with a cell whose hashes are right, which somebody may have written anew.
     """
     folders = cell_folders(run)
     stated = [_stated(folder) for folder in folders]
@@ -61,6 +68,8 @@ def verify(run: Path, steps: Mapping[str, int], versions: Mapping[str, str]) -> 
         problems = cell_faults(folder, path, digest, steps.get(path))
         if not problems and its_versions not in (versions_of_run, versions) and made_with.count(its_versions) == 1:
             problems = [(CELL, "has versions that neither the run, nor another cell, nor this program has")]
+        if not problems and path in steps and (found_wrong := unsound(path)):
+            problems = [found_wrong]
         if problems:
             faults += [Fault(path, *problem) for problem in problems]
         else:
@@ -105,8 +114,8 @@ def _run_hash(run: Path, stated: set[Any]) -> tuple[str | None, list[Fault]]:
 def _stated(folder: Path) -> dict[str, Any]:
     """What a cell says of itself, right or wrong; empty where it can't be read."""
     try:
-        cell = json.loads((folder / CELL).read_bytes())
-    except (OSError, ValueError, RecursionError):
+        cell = read_json(folder / CELL)
+    except (OSError, ValueError):
         return {}
     return cell if isinstance(cell, dict) and isinstance(cell.get("config_hash"), str) else {}
 

@@ -1,6 +1,5 @@
 """Is a cell as it was written? Its files' hashes computed anew, and `cell.json` compared with what it is about."""
 
-import json
 import math
 from pathlib import Path
 from typing import Any
@@ -8,12 +7,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from visitlab_cli.config.problems import printable
 from visitlab_cli.errors import VisitlabError
-from visitlab_cli.sources import is_sources
 from visitlab_cli.storage.arrays import read_trials
 from visitlab_cli.storage.cell_folder import (
     CELL,
-    CELL_FORMAT,
     FACTS,
     MODEL,
     SOURCES,
@@ -23,7 +21,9 @@ from visitlab_cli.storage.cell_folder import (
     one_line,
     to_json,
 )
+from visitlab_cli.storage.facts import malformed
 from visitlab_cli.storage.on_disk import was_set_aside
+from visitlab_cli.storage.reading import parse_json, read_text, size_of
 
 MEANS = {"mean_reward_last_hundredth": 100, "mean_reward_last_tenth": 10}
 """Which part of the trials a mean is of: the last 1%, the last tenth."""
@@ -44,14 +44,14 @@ def cell_faults(folder: Path, path: str, digest: str | None, steps: int | None) 
     """
     file = folder / CELL
     try:
-        text = file.read_text(encoding="utf-8")
-        cell = json.loads(text)
+        text = read_text(file)
+        cell = parse_json(text)
     except FileNotFoundError:
         return [(CELL, "set aside as damaged by an earlier verify" if was_set_aside(file) else "missing")]
     except OSError as error:
         return [(CELL, one_line(error))]
-    except (ValueError, RecursionError):
-        return [(CELL, "damaged: not JSON")]
+    except ValueError as error:
+        return [(CELL, f"damaged: not JSON: {printable(str(error))}")]
     malformed = _malformed(cell, text)
     if malformed:
         return [(CELL, malformed)]
@@ -68,30 +68,11 @@ def cell_faults(folder: Path, path: str, digest: str | None, steps: int | None) 
 
 
 def _malformed(cell: Any, text: str) -> str | None:
-    if not isinstance(cell, dict):
-        return "damaged: not a mapping"
-    for key, kind in {"format": int, **FACTS, "files": dict}.items():
-        if not isinstance(cell.get(key), kind):
-            return f"damaged: {key} is {'missing' if key not in cell else 'of another kind'}"
-    if cell["format"] != CELL_FORMAT:
-        return f"of format {cell['format']}, not {CELL_FORMAT}"
-    if SOURCES in cell and not is_sources(cell[SOURCES]):
-        return f"damaged: {SOURCES} is no hash of sources"
+    if problem := malformed(cell):
+        return problem
     if SOURCES not in cell and (unknown := cell.keys() - {"format", "files", *FACTS}):
         return f"damaged: says {min(unknown)!r}, which no cell of before {SOURCES} says"
-    if not all(_is_description(described) for described in cell["files"].values()):
-        return "damaged: a file is not described by size and sha256"
-    if not all(isinstance(version, str) for version in cell["versions"].values()):
-        return "damaged: a version is no text"
-    try:
-        return None if text == to_json(cell) else "damaged: not written as visitlab writes it"
-    except ValueError:
-        return "damaged: holds NaN or infinity"
-
-
-def _is_description(described: Any) -> bool:
-    kinds = {key: type(value) for key, value in described.items()} if isinstance(described, dict) else {}
-    return kinds == {"size": int, "sha256": str}
+    return None if text == to_json(cell) else "damaged: not written as visitlab writes it"
 
 
 def _names(folder: Path, cell: dict[str, Any]) -> list[str]:
@@ -102,20 +83,19 @@ def _names(folder: Path, cell: dict[str, Any]) -> list[str]:
 
 def _file_fault(folder: Path, name: str, files: dict[str, dict[str, Any]]) -> tuple[str, str] | None:
     file, described = folder / name, files.get(name)
-    if name not in (STEPS, TRIALS, MODEL):  # also keeps the eye inside of the cell's folder
-        return CELL, f"lists a file {name!r}, which no cell has"
     if described is None:
         return CELL, f"does not list {name}"
-    if not file.is_file():
-        return name, "missing"
     try:
-        actual = describe(file)
+        size = size_of(file)
+        digest = describe(file)["sha256"] if size == described["size"] else ""
+    except FileNotFoundError:
+        return name, "missing"
     except OSError as error:
         return name, one_line(error)
-    if actual["size"] != described["size"]:
-        return name, f"has {actual['size']:,} bytes, {CELL} says {described['size']:,}"
-    if actual["sha256"] != described["sha256"]:
-        return _hash_fault(name, actual["sha256"], described["sha256"])
+    if size != described["size"]:
+        return name, f"has {size:,} bytes, {CELL} says {described['size']:,}"
+    if digest != described["sha256"]:
+        return _hash_fault(name, digest, described["sha256"])
     return None
 
 
@@ -130,7 +110,7 @@ def _hash_fault(name: str, actual: str, stated: str) -> tuple[str, str]:
 def _rewards_faults(folder: Path, cell: dict[str, Any]) -> list[tuple[str, str]]:
     try:
         rewards = read_trials(folder / TRIALS)["reward"]
-    except (VisitlabError, KeyError):
+    except VisitlabError:
         return [(TRIALS, "no table of trials")]
     if cell["trials"] != len(rewards):
         return [(CELL, f"trials is {cell['trials']}, not {len(rewards)}")]

@@ -1,11 +1,10 @@
 """What `verify` tells beside faults: files that are not visitlab's, cells of no plan, timings that can't be read."""
 
-import json
 from collections.abc import Collection, Iterator
 from pathlib import Path
 
 from visitlab_cli.config.problems import few
-from visitlab_cli.storage.cell_folder import TIMING
+from visitlab_cli.storage.facts import TIMING, seconds_of
 from visitlab_cli.storage.made_by import made_by, mixed
 from visitlab_cli.storage.removal import foreign_files
 
@@ -24,14 +23,7 @@ def notes(run: Path, found: Collection[str], planned: Collection[str] | None) ->
         yield told
     if unplanned := sorted(set(found) - set(found if planned is None else planned)):
         yield f"not in the plan of the run's config (has it less seeds than before?): {few(unplanned, MOST_NAMED)}"
-    if untimed := [f"{path}/{TIMING}" for path in found if not _is_read(run / path / TIMING)]:
+    if untimed := [f"{path}/{TIMING}" for path in found if seconds_of(run / path) is None]:
         yield f"missing or damaged, which changes no result: {few(untimed, MOST_NAMED)}"
     if foreign := list(foreign_files(run)):
         yield f"not visitlab's: {few(foreign, MOST_NAMED)}"
-
-
-def _is_read(file: Path) -> bool:
-    try:
-        return isinstance(json.loads(file.read_bytes())["seconds"], int | float)
-    except (OSError, ValueError, KeyError, TypeError, RecursionError):
-        return False

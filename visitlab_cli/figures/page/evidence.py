@@ -1,6 +1,5 @@
 """What the page tells of: a run compared with the published curves, and the variants that were, or were not, run."""
 
-import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,7 +14,8 @@ from visitlab_cli.config.files import shipped_configs
 from visitlab_cli.config.loading import load
 from visitlab_cli.execution.cells import Cell, plan
 from visitlab_cli.figures.source import Source, open_source
-from visitlab_cli.storage.cell_folder import TIMING, read_cell
+from visitlab_cli.storage.cell_folder import read_cell
+from visitlab_cli.storage.facts import seconds_of
 
 SHIPPED = "paper/variants/"
 
@@ -99,7 +99,7 @@ def gather(
 def progress_of(run: Path, cells: Sequence[Cell]) -> Progress:
     """What of a plan is done."""
     done = [cell for cell in cells if read_cell(run / cell.path) is not None]
-    seconds = sum(_seconds(run / cell.path) for cell in done)
+    seconds = sum(seconds_of(run / cell.path) or 0.0 for cell in done)
     return Progress(len(done), len(cells), sum(cell.steps for cell in done), seconds)
 
 
@@ -124,11 +124,3 @@ def _changes(cells: Sequence[Cell], others: Sequence[Cell]) -> dict[tuple[str, s
         if not ours.unlike and other is not None and (changed := changes(ours.cell, other)):
             found[key] = changed
     return found
-
-
-def _seconds(folder: Path) -> float:
-    """How long a cell took; no hash covers its file, so it counts nothing where it is not as it should be."""
-    try:
-        return float(json.loads((folder / TIMING).read_bytes())["seconds"])
-    except (OSError, ValueError, KeyError, TypeError):
-        return 0.0

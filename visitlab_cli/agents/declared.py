@@ -1,0 +1,69 @@
+"""What a kind of agent says of each array that it saves, and whether arrays are so: what kernels may rely on."""
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+LARGEST = 1e30
+"""No value or sum of rewards is larger; of such many can be added up."""
+
+
+class Declared(NamedTuple):
+    """An array as it is saved: its dtype as numpy spells it, shape (None where it is free), least and largest value."""
+
+    dtype: str
+    shape: tuple[int | None, ...]
+    low: float
+    high: float
+
+
+def floats(*shape: int | None) -> Declared:
+    """Finite numbers."""
+    return Declared("<f8", shape, -LARGEST, LARGEST)
+
+
+def counts(*shape: int | None, low: int = 0, high: int = 2**31 - 1, dtype: str = "<i4") -> Declared:
+    """Whole numbers from `low` to `high`."""
+    return Declared(dtype, shape, low, high)
+
+
+RANDOM_STATE = Declared("<u8", (4,), 0, 2**64 - 1)
+
+
+def fault_in_form(declared: Declared, dtype: str, shape: tuple[int, ...]) -> str | None:
+    """Why an array with this dtype and shape is not as declared; None where it is."""
+    fits = len(shape) == len(declared.shape) and all(
+        there in (None, here) for there, here in zip(declared.shape, shape, strict=True)
+    )
+    if dtype == declared.dtype and fits:
+        return None
+    wanted = " x ".join("any" if size is None else str(size) for size in declared.shape)
+    has = " x ".join(map(str, shape)) or "no"
+    return f"is of kind {dtype} and {has} values, not {declared.dtype} and {wanted}"
+
+
+def fault_in_values(declared: Declared, array: npt.NDArray[Any]) -> str | None:
+    """Why an array's values are not as declared; None where they are."""
+    if array.dtype.kind == "f" and not np.isfinite(array).all():
+        return "holds what is no number"
+    if array.dtype.kind in "if" and array.size and (array.min() < declared.low or array.max() > declared.high):
+        return f"has values from {array.min()} to {array.max()}, not from {declared.low} to {declared.high}"
+    return None
+
+
+def fault_in_model(arrays: Mapping[str, npt.NDArray[Any]]) -> str | None:
+    """What is wrong with a saved sparse model, as `saved_model` lays it out, each array being as it was declared."""
+    offsets, states, seen = (arrays[f"successor_{name}"] for name in ("offsets", "states", "counts"))
+    if offsets[0] != 0 or offsets[-1] != len(states) or len(states) != len(seen):
+        return f"successor_offsets does not go from 0 to the {len(states)} successors"
+    if (np.diff(offsets) < 0).any():
+        return "successor_offsets decreases"
+    some = np.diff(offsets) > 0
+    sums = np.zeros(len(some), np.int64)
+    if some.any():
+        sums[some] = np.add.reduceat(seen, offsets[:-1][some], dtype=np.int64)
+    if (sums != arrays["visits"].ravel()).any():
+        return "successor_counts do not sum to visits"
+    return None
