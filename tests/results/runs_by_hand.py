@@ -5,6 +5,7 @@ import numpy as np
 from visitlab_cli.config.loading import load
 from visitlab_cli.execution.cell_runner import last_mean
 from visitlab_cli.execution.cells import plan
+from visitlab_cli.execution.saved import declared
 from visitlab_cli.storage.arrays import write_model, write_trials
 from visitlab_cli.storage.cell_folder import MODEL, TRIALS, NewCell
 from visitlab_cli.storage.run_folder import open_run
@@ -45,6 +46,12 @@ def open_lab(out, *, name="lab", seed=0, seeds=3, models="paired", agents_of_soc
     return run, {cell.path: cell for cell in plan(config)}
 
 
+def untrained(cell):
+    """The arrays of an agent that has seen nothing, as its kind declares them."""
+    shapes = {name: ([size or 0 for size in each.shape], each.dtype) for name, each in declared(cell).items()}
+    return {name: np.zeros(*shape) for name, shape in shapes.items()} | {"random_state": np.ones(4, np.uint64)}
+
+
 def write_cell(run, cell, rewards, seconds=2.0):
     """Commit a cell whose trials had these rewards."""
     rewards = np.asarray(rewards, dtype=float)
@@ -60,7 +67,7 @@ def write_cell(run, cell, rewards, seconds=2.0):
     }
     with NewCell(run, cell.path) as new:
         write_trials(new.folder / TRIALS, rewards, with_goals=cell.task == VISIT)
-        write_model(new.folder / MODEL, {"q": np.zeros((2, 3))})
+        write_model(new.folder / MODEL, untrained(cell))
         new.commit(facts, {"seconds": seconds})
 
 
