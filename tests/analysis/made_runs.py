@@ -55,6 +55,6 @@ def make_run(out, shifts, noise=0.1, **options):
         offset = offsets.setdefault("/".join(cell.modules.values()) or cell.path, random.normal(0, noise))
         rewards = np.repeat(published.mean, published.trials_in_batch) + shifts[cell.group] + offset
         with NewCell(run, cell.path) as new:
-            write_trials(new.folder / TRIALS, rewards, with_goals=False)
+            write_trials(new.folder / TRIALS, rewards, with_goals=cell.task == "visit")
             new.commit(facts_of(cell, rewards), {})
     return run
