@@ -94,7 +94,7 @@ def _disk(out: Path) -> Iterator[Finding]:
 
 
 def _locks(out: Path) -> Iterator[Finding]:
-    from visitlab_cli.storage.locks import what_works
+    from visitlab_cli.storage.file_system import what_works
 
     there = next(place for place in (out.absolute(), *out.absolute().parents) if place.exists())
     if not (there.is_dir() and os.access(there, os.W_OK)):
