@@ -19,9 +19,9 @@ from pathlib import Path
 from mcap.reader import make_reader
 from mcap_protobuf.decoder import DecoderFactory
 
-from visitlab_cli.recording.reader import iter_steps, read_steps, read_trial, trials
-from visitlab_cli.recording.recovery import recover
-from visitlab_cli.recording.tables import to_arrow
+from visitlab_cli.log.reader import iter_steps, read_steps, read_trial, trials
+from visitlab_cli.log.recovery.recovery import recover
+from visitlab_cli.log.tables import to_arrow
 
 STEPS = 2_000_000
 CONFIG = f"""
@@ -36,7 +36,7 @@ STOCK_MESSAGES = 50_000
 MEASURE_PEAK = """
 import sys
 from pathlib import Path
-from visitlab_cli.recording import reader
+from visitlab_cli.log import reader
 
 def peak():
     # ru_maxrss would tell of the parent process too

@@ -17,9 +17,9 @@ from google.protobuf.descriptor_pool import DescriptorPool
 from google.protobuf.message_factory import GetMessageClass
 from mcap_protobuf.writer import Writer
 
-from visitlab_cli.recording.reader import read_metadata, read_steps
-from visitlab_cli.recording.schema import STEP_NS, STEP_TOPIC, file_descriptor
-from visitlab_cli.recording.writer import StepRecorder
+from visitlab_cli.log.reader import read_metadata, read_steps
+from visitlab_cli.log.schema import STEP_NS, STEP_TOPIC, file_descriptor
+from visitlab_cli.log.writer import StepRecorder
 from visitlab_cli.world.columns import FLOAT, StepColumns, empty_columns
 from visitlab_cli.world.tasks import SOCIAL, TASK_NAMES, VISIT, columns_of
 

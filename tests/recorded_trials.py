@@ -2,7 +2,7 @@
 
 import pytest
 
-from visitlab_cli.execution.selection import Selection
+from visitlab_cli.plan.selection import Selection
 from visitlab_cli.replay.choice import find_logs
 from visitlab_cli.scene.trial import load_trial
 

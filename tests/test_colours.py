@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from visitlab_cli.colours import FIXED, PALETTE, looks_of
-from visitlab_cli.figures.designs import FIG_6, FIG_8
+from visitlab_cli.paper.figures.designs import FIG_6, FIG_8
 
 SEEN = {
     "all": np.eye(3),

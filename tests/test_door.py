@@ -14,7 +14,7 @@ import visitlab_cli
 from tests.program import visitlab
 from tests.results.runs_by_hand import open_lab, write_cell
 from visitlab_cli.errors import NotFoundError, UsageError
-from visitlab_cli.recording.reader import read_steps
+from visitlab_cli.log.reader import read_steps
 from visitlab_cli.storage.arrays import read_model, read_trials
 from visitlab_cli.world.enums import InteractionLevel
 

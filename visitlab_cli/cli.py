@@ -1,35 +1,17 @@
-"""The command line: one file a command in `commands/`; nothing heavy is imported before a command runs."""
+"""The command line: every file in `commands/` is a command; nothing heavy is imported before a command runs."""
 
 import errno
 import os
 import sys
+from types import ModuleType
 from typing import Annotated
 
 import typer
 
-from visitlab_cli import __version__
-from visitlab_cli.commands import (
-    affordances,
-    compare,
-    doctor,
-    export,
-    figures,
-    help,
-    init,
-    optimum,
-    recover,
-    replay,
-    report,
-    run,
-    runs,
-    schema,
-    steps,
-    train,
-    validate,
-)
-from visitlab_cli.commands import eval as eval_command
-from visitlab_cli.commands.options import NoColor
-from visitlab_cli.commands.program import Program
+from visitlab_cli import __version__, commands
+from visitlab_cli.console.help import commands_in
+from visitlab_cli.console.options import NoColor
+from visitlab_cli.console.program import Program
 from visitlab_cli.errors import Interrupted, NotFoundError, RunError, VisitlabError, reason
 from visitlab_cli.stopping import interruptible, was_asked
 from visitlab_cli.terminal import end, lead_nowhere, tell
@@ -60,24 +42,19 @@ def visitlab(
     """See `visitlab COMMAND --help`."""
 
 
-app.command("run")(run.command)
-app.command("train")(train.command)
-app.command("eval")(eval_command.command)
-app.command("replay")(replay.command)
-app.command("compare")(compare.command)
-app.command("figures")(figures.command)
-app.command("affordances")(affordances.command)
-app.command("optimum")(optimum.command)
-app.command("recover")(recover.command)
-app.command("report")(report.command)
-app.command("steps")(steps.command)
-app.command("export")(export.command)
-app.command("validate")(validate.command)
-app.command("schema")(schema.command)
-app.command("init")(init.command)
-app.command("doctor")(doctor.command)
-app.add_typer(runs.app, name="runs")
-help.arrange(app)
+def _add(group: typer.Typer, folder: ModuleType) -> None:
+    """Add what lies in a folder of commands: a module is a command, a folder a group of them."""
+    for name, module in commands_in(folder):
+        panel, epilog = module.HELP.panel, module.HELP.epilog
+        if hasattr(module, "__path__"):
+            within = typer.Typer(help=module.HELP.summary, no_args_is_help=True)
+            _add(within, module)
+            group.add_typer(within, name=name, rich_help_panel=panel)
+        else:
+            group.command(name, rich_help_panel=panel if group is app else None, epilog=epilog)(module.command)
+
+
+_add(app, commands)
 
 
 def main() -> None:

@@ -10,13 +10,12 @@ from typing import Any
 import numpy as np
 
 from visitlab_cli.config.canonical import canonical
-from visitlab_cli.config.problems import or_else
 from visitlab_cli.errors import NotFoundError, UsageError
-from visitlab_cli.execution.cells import Cell, plan
-from visitlab_cli.execution.evaluation import Evaluation
-from visitlab_cli.execution.saved import model_of as model_in
-from visitlab_cli.execution.saved import trials_of as trials_in
-from visitlab_cli.recording.reader import Columns, read_steps, read_trial
+from visitlab_cli.log.reader import Columns, read_steps, read_trial
+from visitlab_cli.plan.cells import Cell, plan
+from visitlab_cli.plan.evaluation import Evaluation
+from visitlab_cli.plan.saved import model_of as model_in
+from visitlab_cli.plan.saved import trials_of as trials_in
 from visitlab_cli.results.evaluated import evaluated
 from visitlab_cli.results.export import results_table
 from visitlab_cli.results.groups import point_of
@@ -26,6 +25,7 @@ from visitlab_cli.storage.arrays import Arrays
 from visitlab_cli.storage.cell_folder import STEPS, read_cell
 from visitlab_cli.storage.made_by import sources_of
 from visitlab_cli.storage.run_folder import find_run, read_config, read_versions
+from visitlab_cli.wording import or_else
 
 
 @dataclass(frozen=True)

@@ -16,12 +16,14 @@ DECIDING = (
     "config",
     "execution",
     "humans",
+    "log",
+    "plan",
     "random_numbers.py",
-    "recording",
     "settings.py",
     "simulation",
     "storage",
     "world",
+    "yaml",
 )
 """The rooms on the way from YAML to a finished cell, whole; pages, pictures and commands decide no result."""
 DIGITS, CHECK_DIGITS = 16, 4

@@ -13,10 +13,10 @@ from visitlab_cli.affordances.plain import ARROWS, as_json, weight
 from visitlab_cli.affordances.policy import UNSEEN, policy_map
 from visitlab_cli.affordances.truth import FIRST_ENGAGED, true_transitions
 from visitlab_cli.errors import NotFoundError
-from visitlab_cli.execution.cells import plan
-from visitlab_cli.execution.selection import Selection
 from visitlab_cli.humans.six_parameters import SixParameters
-from visitlab_cli.recording.reader import read_steps
+from visitlab_cli.log.reader import read_steps
+from visitlab_cli.plan.cells import plan
+from visitlab_cli.plan.selection import Selection
 from visitlab_cli.storage.arrays import read_model
 from visitlab_cli.storage.run_folder import read_config
 from visitlab_cli.world.enums import Action, InteractionLevel

@@ -12,8 +12,8 @@ from visitlab_cli.affordances.picture import draw_affordances, save_affordances
 from visitlab_cli.affordances.plain import ARROWS, weight
 from visitlab_cli.affordances.policy import UNSEEN
 from visitlab_cli.errors import RunError, UsageError
-from visitlab_cli.execution.cells import plan
 from visitlab_cli.pictures.style import STYLE, styled
+from visitlab_cli.plan.cells import plan
 from visitlab_cli.storage.run_folder import read_config
 from visitlab_cli.world.enums import N_LEVELS, N_MOVES
 

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from tests.analysis.made_runs import make_run
+from tests.paper.made_runs import make_run
 from tests.program import visitlab
 
 VISIT, NAVIGATION = "visit/human_1", "navigation/rmax"

@@ -7,7 +7,7 @@ import pytest
 
 import visitlab_cli
 from tests.program import hashes, visitlab
-from visitlab_cli.execution.evaluation import AS_DECLARED, Evaluation, record_evaluation, recorded_evaluations
+from visitlab_cli.plan.evaluation import AS_DECLARED, Evaluation, record_evaluation, recorded_evaluations
 from visitlab_cli.storage.arrays import read_trials
 
 OPTIONS = ("--human", "fast", "--trials", 20, "--frozen", "-e", "visit", "-q")

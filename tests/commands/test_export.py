@@ -8,7 +8,7 @@ from mcap.reader import make_reader
 from mcap_protobuf.decoder import DecoderFactory
 
 from tests.program import visitlab
-from visitlab_cli.recording.reader import read_trial
+from visitlab_cli.log.reader import read_trial
 from visitlab_cli.scene.words import GESTURES, captions
 
 CELL = "visit/fast/seed-0000"

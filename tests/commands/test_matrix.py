@@ -8,10 +8,10 @@ from typer.testing import CliRunner
 
 from tests.program import hashes, the_run, visitlab
 from visitlab_cli.cli import app
-from visitlab_cli.commands import matrix
-from visitlab_cli.commands.matrix import planned_cells
-from visitlab_cli.commands.running import How
 from visitlab_cli.config.loading import load
+from visitlab_cli.console import matrix
+from visitlab_cli.console.matrix import planned_cells
+from visitlab_cli.console.running import How
 from visitlab_cli.errors import RunError, UsageError
 
 LAB = """

@@ -6,7 +6,7 @@ import re
 import numpy as np
 import pytest
 
-from tests.analysis.made_runs import make_run
+from tests.paper.made_runs import make_run
 from tests.program import visitlab
 from visitlab_cli.storage.arrays import read_trials
 from visitlab_cli.storage.cell_folder import TRIALS

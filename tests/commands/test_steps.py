@@ -7,8 +7,8 @@ import sys
 import pytest
 
 from tests.program import visitlab
-from visitlab_cli.recording.reader import read_trial
-from visitlab_cli.recording.tables import names_of
+from visitlab_cli.log.reader import read_trial
+from visitlab_cli.log.tables import names_of
 from visitlab_cli.replay.choice import CHOOSE
 from visitlab_cli.scene.words import LEVEL_NAMES, captions, direction_name, room_name
 

@@ -9,8 +9,8 @@ from tests.program import TINY, hashes, visitlab
 from visitlab_cli.agents.model_based import ModelBasedParameters
 from visitlab_cli.config.canonical import config_hash
 from visitlab_cli.config.loading import load
-from visitlab_cli.execution.cells import plan
-from visitlab_cli.execution.estimate import CELL_SECONDS, LOG_BYTES, LOG_BYTES_A_STEP, estimate
+from visitlab_cli.plan.cells import plan
+from visitlab_cli.plan.estimate import CELL_SECONDS, LOG_BYTES, LOG_BYTES_A_STEP, estimate
 
 ONE_CELL = "experiments={navigation: {task: navigation, agents: [mf], steps: 1200}}"
 

@@ -4,9 +4,9 @@ import pytest
 
 from tests.commands.test_runs import rows, tell
 from tests.results.runs_by_hand import open_lab, reach
-from visitlab_cli.commands.dry_run import _table as costs_table
-from visitlab_cli.commands.running import table
-from visitlab_cli.execution.estimate import estimate
+from visitlab_cli.console.dry_run import _table as costs_table
+from visitlab_cli.console.running import table
+from visitlab_cli.plan.estimate import estimate
 from visitlab_cli.results.expected import results
 from visitlab_cli.storage.run_folder import read_config
 

@@ -13,10 +13,10 @@ import pytest
 
 from tests.config.lab import LAB, Complain, Load, edited
 from tests.faults.fuzz_yaml import fuzz
-from visitlab_cli.config.include import MOST_FILES
 from visitlab_cli.config.loading import load
-from visitlab_cli.config.yaml_reader import MOST_VALUES
 from visitlab_cli.errors import ConfigError, UsageError
+from visitlab_cli.yaml.include import MOST_FILES
+from visitlab_cli.yaml.reader import MOST_VALUES
 
 AT_ONCE = 4.0  # seconds of CPU time; each of these took minutes or for ever
 
@@ -91,7 +91,7 @@ def test_large_files_and_many_values_are_bounded_together(folder: Path, complain
 
 
 def test_a_pipe_that_the_user_names_is_read_and_not_waited_for(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("visitlab_cli.config.files.PATIENCE", 0.1)
+    monkeypatch.setattr("visitlab_cli.yaml.files.PATIENCE", 0.1)
     reading, writing = os.pipe()
     os.write(writing, LAB.encode())
     os.close(writing)

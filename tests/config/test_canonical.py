@@ -17,12 +17,12 @@ from visitlab_cli.agents.registry import AnyAgent
 from visitlab_cli.config import building
 from visitlab_cli.config.building import build, check
 from visitlab_cli.config.canonical import canonical, config_hash, dump_yaml
-from visitlab_cli.config.document import Place, located
 from visitlab_cli.config.loading import load_text
 from visitlab_cli.config.model import Config
 from visitlab_cli.config.names import Name
 from visitlab_cli.errors import ConfigError
 from visitlab_cli.settings import Settings, since
+from visitlab_cli.yaml.document import Place, located
 
 SAME = {
     "defaults written": edited("kind: model_based", "kind: model_based, gamma: 0.9, unvisited: uniform"),

@@ -4,7 +4,10 @@ import os
 import subprocess
 import sys
 
-from visitlab_cli.commands.help import EXAMPLES, PANELS
+from visitlab_cli import commands
+from visitlab_cli.console.help import PANELS, commands_in, examples_in
+
+EXAMPLES = dict(examples_in(commands))
 
 HEAD = """# Commands
 
@@ -40,10 +43,10 @@ def page() -> str:
 
     program = typer.main.get_command(app)
     parts = [HEAD]
-    for panel, names in PANELS.items():
+    for panel in PANELS:
         parts.append(f"## {panel}\n")
-        for name in names:
-            if name in program.commands:
+        for name, module in commands_in(commands):
+            if module.HELP.panel == panel:
                 parts += sections(program.commands[name], f"visitlab {name}")
     return "\n".join(parts)
 

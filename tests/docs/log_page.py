@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from visitlab_cli.recording.schema import TRIAL_COLUMNS, proto_text, tasks_in_words
+from visitlab_cli.log.schema import TRIAL_COLUMNS, proto_text, tasks_in_words
 from visitlab_cli.world.columns import COLUMNS
 
 TEMPLATE = Path(__file__).with_name("log.template.md").read_text(encoding="utf-8")

@@ -10,8 +10,8 @@ from tests.docs.log_page import log_page
 from tests.docs.make import ROOT, pages
 from tests.program import visitlab
 from visitlab_cli.config.loading import load
-from visitlab_cli.execution.cells import plan
-from visitlab_cli.recording.reader import read_steps
+from visitlab_cli.log.reader import read_steps
+from visitlab_cli.plan.cells import plan
 from visitlab_cli.storage.arrays import read_trials
 
 

@@ -50,7 +50,7 @@ def test_all_processes_are_signalled_while_the_workers_start(tiny_run, tmp_path,
     assert "Traceback" not in stderr
 
 
-@pytest.mark.parametrize("name", ["typer", "visitlab_cli.commands.running", "visitlab_cli.execution.warm_up"])
+@pytest.mark.parametrize("name", ["typer", "visitlab_cli.console.running", "visitlab_cli.execution.warm_up"])
 def test_while_the_program_is_imported(tmp_path, name):
     arguments = ["train", TINY, NAVIGATION, "--out", tmp_path, "--quiet"]
     command = [sys.executable, "-c", AT_IMPORT.format(name=name), *map(str, arguments)]

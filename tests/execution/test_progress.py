@@ -12,8 +12,8 @@ from rich.console import Console
 
 from tests.program import COMMAND, TINY, visitlab
 from visitlab_cli.config.loading import load
-from visitlab_cli.execution.cells import plan
 from visitlab_cli.execution.progress import Progress
+from visitlab_cli.plan.cells import plan
 
 ONE_CELL = "experiments={navigation: {task: navigation, agents: [mf], steps: 40}}"
 TWO_CELLS = "experiments={social: {task: social, agents: [mb, rmax], humans: [fast], steps: 200000}}"

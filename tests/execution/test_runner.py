@@ -6,9 +6,9 @@ import pytest
 
 from visitlab_cli.config.loading import load
 from visitlab_cli.execution import cell_runner, workers
-from visitlab_cli.execution.cells import plan
 from visitlab_cli.execution.progress import Progress
 from visitlab_cli.execution.runner import missing_cells, run_cells
+from visitlab_cli.plan.cells import plan
 from visitlab_cli.storage.cell_folder import NewCell
 
 CONFIG = """

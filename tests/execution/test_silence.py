@@ -9,10 +9,10 @@ from rich.console import Console
 from tests.program import TINY
 from visitlab_cli.config.loading import load
 from visitlab_cli.execution import cell_runner, silence, workers
-from visitlab_cli.execution.cells import plan
 from visitlab_cli.execution.progress import Progress
 from visitlab_cli.execution.runner import run_cells
 from visitlab_cli.execution.silence import SECONDS_ASIDE, SECONDS_OF_SILENCE, SECONDS_UNWATCHED, Silence
+from visitlab_cli.plan.cells import plan
 
 NAVIGATION = "experiments={navigation: {task: navigation, agents: [mf], steps: 1200}}"
 CELL, OTHER = plan(load(TINY, [NAVIGATION, "seeds=2"]))

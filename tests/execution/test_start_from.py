@@ -9,8 +9,8 @@ from tests.program import TINY, hashes, only_cells, the_run, visitlab
 from visitlab_cli.config.loading import load, load_text
 from visitlab_cli.errors import RunError
 from visitlab_cli.execution.build import build
-from visitlab_cli.execution.cells import plan
 from visitlab_cli.execution.warm_up import _pair
+from visitlab_cli.plan.cells import plan
 from visitlab_cli.storage.arrays import read_model
 from visitlab_cli.storage.cell_folder import MODEL
 

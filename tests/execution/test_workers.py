@@ -13,9 +13,9 @@ import visitlab_cli
 from tests.program import TINY, hashes, the_run
 from visitlab_cli.config.loading import load
 from visitlab_cli.execution import workers
-from visitlab_cli.execution.cells import plan
 from visitlab_cli.execution.progress import Progress
 from visitlab_cli.execution.runner import run_cells
+from visitlab_cli.plan.cells import plan
 
 PACKAGE = Path(visitlab_cli.__file__).parent
 RULE = "world/navigation.py", "reward = 1.0 if", "reward = 2.0 if"

@@ -10,12 +10,12 @@ from pathlib import Path
 
 import numpy as np
 
-from tests.recording import raw
-from tests.recording.blocks import message_class, random_steps, record, serialized
+from tests.log import raw
+from tests.log.blocks import message_class, random_steps, record, serialized
 from visitlab_cli.errors import VisitlabError
-from visitlab_cli.recording import writer
-from visitlab_cli.recording.reader import read_attachment, read_metadata, read_steps, read_trial, trials
-from visitlab_cli.recording.recovery import recover
+from visitlab_cli.log import writer
+from visitlab_cli.log.reader import read_attachment, read_metadata, read_steps, read_trial, trials
+from visitlab_cli.log.recovery.recovery import recover
 
 TRIALS, TRIAL_STEPS = 3, 12
 MEMORY = 2 << 30

@@ -50,7 +50,7 @@ def _child(n: int, seed: int, room: int, whole: Path, sender: "multiprocessing.c
 def fuzz_here(n: int, seed: int, run: Path) -> list[str]:
     """As `fuzz`, in this process, with a run that may be changed."""
     from visitlab_cli.config.loading import load
-    from visitlab_cli.execution.cells import plan
+    from visitlab_cli.plan.cells import plan
 
     cells = {cell.path: cell for cell in plan(load(run / "config.yaml"))}
     wrong = []
@@ -71,7 +71,7 @@ def fuzz_here(n: int, seed: int, run: Path) -> list[str]:
 
 
 def _check(what: str, run: Path, cell: Any, name: str) -> list[str]:
-    from visitlab_cli.execution.saved import model_of, trials_of
+    from visitlab_cli.plan.saved import model_of, trials_of
     from visitlab_cli.storage.cell_folder import read_cell
     from visitlab_cli.storage.facts import seconds_of
     from visitlab_cli.storage.run_folder import read_config, read_versions

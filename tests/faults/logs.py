@@ -283,7 +283,7 @@ def bombs(this: Try) -> None:
 
 @fault("absent-trial", "a trial that a log of 300 MB does not hold: bounded memory", 1)
 def absent_trial(this: Try) -> None:
-    from tests.recording.blocks import random_steps, record
+    from tests.log.blocks import random_steps, record
 
     columns, rows = random_steps(trials=50_000, trial_steps=100)
     file = record(this.folder / "large.mcap", "visit", columns, rows, block=8192)

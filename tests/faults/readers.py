@@ -150,8 +150,8 @@ def fuzz_json(n: int, seed: int) -> list[str]:
 
 def fuzz_mcap(n: int, seed: int) -> list[str]:
     """Logs: what can be read or recovered is what was written, row by row."""
-    from visitlab_cli.recording.reader import read_steps, read_trial
-    from visitlab_cli.recording.recovery import recover
+    from visitlab_cli.log.reader import read_steps, read_trial
+    from visitlab_cli.log.recovery.recovery import recover
 
     chosen = random.Random(f"mcap/{seed}")
     wrong = []

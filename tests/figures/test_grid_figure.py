@@ -6,7 +6,7 @@ import pytest
 from tests.results.runs_by_hand import open_lab, write_cell
 from visitlab_cli.figures.grid_figure import draw_grid
 from visitlab_cli.figures.making import make_figures
-from visitlab_cli.figures.source import open_source
+from visitlab_cli.paper.figures.source import open_source
 
 T_OF_TWO = 4.302653  # Student's t, 2 degrees of freedom, 97.5%
 

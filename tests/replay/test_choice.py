@@ -5,8 +5,8 @@ import pytest
 
 from tests.program import TINY, the_run, visitlab
 from visitlab_cli.errors import NotFoundError, RunError, UsageError
-from visitlab_cli.execution.selection import Selection
-from visitlab_cli.recording.reader import read_steps, read_trial
+from visitlab_cli.log.reader import read_steps, read_trial
+from visitlab_cli.plan.selection import Selection
 from visitlab_cli.replay.choice import Log, Logs, choose_trial, find_logs
 from visitlab_cli.storage.arrays import read_trials
 

@@ -4,7 +4,7 @@ import pytest
 
 from tests.program import TINY, the_run, visitlab
 from visitlab_cli.errors import NotFoundError, UsageError
-from visitlab_cli.execution.selection import Selection
+from visitlab_cli.plan.selection import Selection
 from visitlab_cli.replay.choice import choose_trial, find_logs
 from visitlab_cli.storage.arrays import read_trials
 

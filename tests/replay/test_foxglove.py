@@ -9,9 +9,9 @@ from google.protobuf.descriptor_pb2 import DescriptorProto
 from mcap.reader import make_reader
 from mcap_protobuf.decoder import DecoderFactory
 
-from tests.recording.blocks import random_steps
+from tests.log.blocks import random_steps
 from visitlab_cli.errors import RunError, UsageError
-from visitlab_cli.recording.reader import Columns
+from visitlab_cli.log.reader import Columns
 from visitlab_cli.replay.foxglove import write_foxglove
 from visitlab_cli.replay.foxglove_schema import file_descriptor
 from visitlab_cli.scene.colours import GOAL_FLOOR

@@ -4,7 +4,7 @@ import pytest
 
 from tests.browser import needs_browser, opened
 from tests.report.test_page import hostile
-from visitlab_cli.recording.reader import read_trial
+from visitlab_cli.log.reader import read_trial
 from visitlab_cli.report.making import gather
 from visitlab_cli.report.page import render
 

@@ -4,8 +4,8 @@ import numpy as np
 
 from visitlab_cli.config.loading import load
 from visitlab_cli.execution.cell_runner import last_mean
-from visitlab_cli.execution.cells import plan
-from visitlab_cli.execution.saved import declared
+from visitlab_cli.plan.cells import plan
+from visitlab_cli.plan.saved import declared
 from visitlab_cli.storage.arrays import write_model, write_trials
 from visitlab_cli.storage.cell_folder import MODEL, TRIALS, NewCell
 from visitlab_cli.storage.run_folder import open_run

@@ -4,7 +4,7 @@ import pytest
 
 from tests.results.runs_by_hand import VERSIONS, reach
 from visitlab_cli.config.loading import load_text
-from visitlab_cli.execution.cells import plan
+from visitlab_cli.plan.cells import plan
 from visitlab_cli.results.against_script import against_script
 from visitlab_cli.results.groups import groups_of
 from visitlab_cli.storage.run_folder import open_run

@@ -5,9 +5,9 @@ import pytest
 
 from tests.results.runs_by_hand import VERSIONS, write_cell
 from visitlab_cli.config.loading import load_text
-from visitlab_cli.execution.cells import plan
-from visitlab_cli.execution.evaluation import Evaluation
 from visitlab_cli.figures.matrix_picture import save_matrix
+from visitlab_cli.plan.cells import plan
+from visitlab_cli.plan.evaluation import Evaluation
 from visitlab_cli.results.matrix import ADAPTING, FROZEN, MODES, Pairing, matrix_of, plan_matrix
 from visitlab_cli.storage.run_folder import open_run
 

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from visitlab_cli.config.loading import load
-from visitlab_cli.execution.cells import plan
+from visitlab_cli.plan.cells import plan
 from visitlab_cli.results.units import Units, by_unit, in_words
 
 VARIANTS = Path(__file__).parents[2] / "configs/paper/variants"

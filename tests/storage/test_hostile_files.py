@@ -13,9 +13,9 @@ import pytest
 from tests.storage import hostile
 from visitlab_cli.config.loading import load
 from visitlab_cli.errors import NotFoundError, RunError, VisitlabError
-from visitlab_cli.execution.cells import plan
-from visitlab_cli.execution.evaluation import recorded_evaluations, unknown_evaluations
-from visitlab_cli.execution.saved import model_of, modules_of, trials_of, unsound
+from visitlab_cli.plan.cells import plan
+from visitlab_cli.plan.evaluation import recorded_evaluations, unknown_evaluations
+from visitlab_cli.plan.saved import model_of, modules_of, trials_of, unsound
 from visitlab_cli.storage.arrays import read_model, read_trials
 from visitlab_cli.storage.cell_folder import read_cell
 from visitlab_cli.storage.facts import FACTS, seconds_of

@@ -7,7 +7,7 @@ import shutil
 import pytest
 
 from visitlab_cli.config.loading import load
-from visitlab_cli.execution.cells import plan
+from visitlab_cli.plan.cells import plan
 from visitlab_cli.storage import verify as room
 from visitlab_cli.storage.cell_folder import read_cell, to_json
 from visitlab_cli.storage.verify import set_faults_aside, verify

@@ -11,9 +11,9 @@ from visitlab_cli.affordances.counts import Ints, learned_counts
 from visitlab_cli.affordances.policy import PolicyMap, policy_map
 from visitlab_cli.affordances.truth import FIRST_ENGAGED, Truth, true_transitions
 from visitlab_cli.errors import NotFoundError, RunError
-from visitlab_cli.execution.cells import Cell
-from visitlab_cli.execution.saved import model_of
-from visitlab_cli.execution.selection import Selection
+from visitlab_cli.plan.cells import Cell
+from visitlab_cli.plan.saved import model_of
+from visitlab_cli.plan.selection import Selection
 from visitlab_cli.storage.arrays import Arrays
 from visitlab_cli.storage.cell_folder import read_cell
 from visitlab_cli.world.tasks import SOCIAL

@@ -6,14 +6,25 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from visitlab_cli.commands import completion
-from visitlab_cli.commands.optimum import aligned
-from visitlab_cli.commands.options import RUNS, At, Json, Out, Run
+from visitlab_cli.console import completion
+from visitlab_cli.console.help import Help
+from visitlab_cli.console.options import RUNS, At, Json, Out, Run
+from visitlab_cli.console.words import aligned
 from visitlab_cli.terminal import tell, tell_json, tell_text
 
 if TYPE_CHECKING:
     from visitlab_cli.affordances.learned import Affordances, Graph
     from visitlab_cli.affordances.plain import Weight
+
+
+HELP = Help(
+    "Look",
+    place=5,
+    examples=(
+        "visitlab affordances quickstart",
+        "visitlab affordances quickstart --experiment social --json",
+    ),
+)
 
 
 def command(
@@ -41,8 +52,8 @@ def command(
     """
     from visitlab_cli.affordances.learned import affordances
     from visitlab_cli.affordances.plain import as_json as to_json
-    from visitlab_cli.execution.cells import plan
-    from visitlab_cli.execution.selection import Selection
+    from visitlab_cli.plan.cells import plan
+    from visitlab_cli.plan.selection import Selection
     from visitlab_cli.storage.run_folder import find_run, read_config
 
     folder = find_run(run, out)

@@ -9,14 +9,25 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from visitlab_cli.commands import completion
-from visitlab_cli.commands.optimum import aligned
-from visitlab_cli.commands.options import RUNS, Json, Out, Run
+from visitlab_cli.console import completion
+from visitlab_cli.console.help import Help
+from visitlab_cli.console.options import RUNS, Json, Out, Run
+from visitlab_cli.console.words import aligned
 from visitlab_cli.terminal import tell, tell_json, tell_text
 
 if TYPE_CHECKING:
-    from visitlab_cli.analysis.comparison import Compared, Comparison
-    from visitlab_cli.analysis.judge import Judgement
+    from visitlab_cli.paper.judging.comparison import Compared, Comparison
+    from visitlab_cli.paper.judging.judge import Judgement
+
+HELP = Help(
+    "Look",
+    place=4,
+    examples=(
+        "visitlab compare quickstart",
+        "visitlab compare quickstart short",
+    ),
+)
+
 
 MARKS = {"agrees": " ", "undecided": "?", "differs": "!"}
 
@@ -55,11 +66,11 @@ def command(
     With a curve: agrees, differs or undecided, and why; causes are looked for in all runs of the folder that RUN
     lies in, and in each --variant. Else: difference with 95% interval, seeds, probability of improvement.
     """
-    from visitlab_cli.analysis.comparison import compare
-    from visitlab_cli.analysis.variants import open_variant, variants_beside
     from visitlab_cli.errors import NotFoundError, UsageError
-    from visitlab_cli.execution.cells import plan
     from visitlab_cli.execution.runner import missing_cells
+    from visitlab_cli.paper.judging.comparison import compare
+    from visitlab_cli.paper.judging.variants import open_variant, variants_beside
+    from visitlab_cli.plan.cells import plan
     from visitlab_cli.storage.made_by import made_by, mixed
     from visitlab_cli.storage.run_folder import find_run, read_config
 
@@ -71,7 +82,7 @@ def command(
             raise UsageError("OTHER, --by and --variant: choose one")
         if page is not None:
             raise UsageError("--page: is for the published curves; leave OTHER and --by out")
-        from visitlab_cli.commands.runs_compare import tell_by, tell_runs
+        from visitlab_cli.console.pairs import tell_by, tell_runs
 
         if by is not None:
             tell_by(folder, by, as_json)
@@ -87,11 +98,15 @@ def command(
         reason = compared.absent[0][1]
         raise NotFoundError(f"{folder}: has no curve that was published ({reason.group}: {reason.reason}, and so on)")
     if page is not None:
-        from visitlab_cli.commands.figures import strip
-        from visitlab_cli.figures.page.evidence import gather
-        from visitlab_cli.figures.page.writing import write_page
+        from visitlab_cli.figures.making import make_figures
+        from visitlab_cli.paper.page.evidence import gather
+        from visitlab_cli.paper.page.writing import write_page
+        from visitlab_cli.replay.strip import strip
 
-        files = [str(file) for file in write_page(gather(folder, cells, compared, margin, variants), page, strip)]
+        def draw(of: Path, kind: str, into: Path) -> list[Path]:
+            return make_figures(of, strip, kind=kind, into=into).files
+
+        files = [str(file) for file in write_page(gather(folder, cells, compared, margin, variants), page, draw)]
         tell_json({"run": str(folder), "files": files}, None) if as_json else tell(*files)
     elif as_json:
         tell_json({"run": str(folder), "margin": margin, "confidence": 0.95, **_json(compared)})

@@ -6,8 +6,19 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Literal, NamedTuple
 
-from visitlab_cli.commands.options import RUNS, Json, Out
+from visitlab_cli.console.help import Help
+from visitlab_cli.console.options import RUNS, Json, Out
 from visitlab_cli.terminal import tell, tell_json
+
+HELP = Help(
+    "Configure",
+    place=4,
+    examples=(
+        "visitlab doctor",
+        "visitlab doctor --json",
+    ),
+)
+
 
 PACKAGES = ("numpy", "numba", "pydantic", "pyarrow", "mcap", "protobuf", "matplotlib", "rerun-sdk")
 MODULE_OF = {"rerun-sdk": "rerun", "protobuf": "google.protobuf"}
@@ -59,7 +70,7 @@ def _versions(out: Path) -> Iterator[Finding]:
 
 
 def _cores(out: Path) -> Iterator[Finding]:
-    from visitlab_cli.commands.running import cores
+    from visitlab_cli.console.running import cores
 
     here, there = cores(), os.cpu_count() or 1
     yield Finding("cores", f"{here}" if here == there else f"{here} of the machine's {there}")

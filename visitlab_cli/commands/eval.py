@@ -6,12 +6,23 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from visitlab_cli.commands import completion
-from visitlab_cli.commands.options import RUNS, DryRun, Json, NoColor, Out, Quiet, Run, Verbose, Workers
+from visitlab_cli.console import completion
+from visitlab_cli.console.help import Help
+from visitlab_cli.console.options import RUNS, DryRun, Json, NoColor, Out, Quiet, Run, Verbose, Workers
 
 if TYPE_CHECKING:
     from visitlab_cli.config.model import Config
-    from visitlab_cli.execution.cells import Cell
+    from visitlab_cli.plan.cells import Cell
+
+
+HELP = Help(
+    "Run",
+    place=3,
+    examples=(
+        "visitlab eval quickstart",
+        "visitlab eval quickstart --matrix --trials 20",
+    ),
+)
 
 
 def command(
@@ -41,13 +52,13 @@ def command(
     no_color: NoColor = False,
 ) -> None:
     """Assemble the global task from a run's trained modules and play it."""
-    from visitlab_cli.commands.matrix import check_options, planned_cells, play_matrix
-    from visitlab_cli.commands.running import How, run_and_tell
-    from visitlab_cli.config.problems import or_else, printable
+    from visitlab_cli.console.matrix import check_options, planned_cells, play_matrix
+    from visitlab_cli.console.running import How, run_and_tell
     from visitlab_cli.errors import UsageError
-    from visitlab_cli.execution.cells import plan
-    from visitlab_cli.execution.evaluation import Evaluation
+    from visitlab_cli.plan.cells import plan
+    from visitlab_cli.plan.evaluation import Evaluation
     from visitlab_cli.storage.run_folder import find_run, read_config
+    from visitlab_cli.wording import or_else, printable
     from visitlab_cli.world.tasks import VISIT
 
     check_options(matrix=matrix, frozen=frozen, picture=picture)
@@ -80,8 +91,8 @@ def command(
 def _check_trained(folder: Path, config: "Config", cells: "Sequence[Cell]") -> None:
     """Refuse what needs a module that is not trained, or was trained with another config."""
     from visitlab_cli.errors import RunError
-    from visitlab_cli.execution.cells import plan
     from visitlab_cli.execution.runner import missing_cells
+    from visitlab_cli.plan.cells import plan
     from visitlab_cli.storage.cell_folder import read_cell
     from visitlab_cli.storage.run_folder import CONFIG
     from visitlab_cli.world.tasks import VISIT

@@ -5,9 +5,19 @@ from typing import Annotated
 
 import typer
 
-from visitlab_cli.commands import completion
-from visitlab_cli.commands.options import RUNS, Agent, At, Experiment, Human, Json, Out, RunOrFile, Seed
+from visitlab_cli.console import completion
+from visitlab_cli.console.help import Help
+from visitlab_cli.console.options import RUNS, Agent, At, Experiment, Human, Json, Out, RunOrFile, Seed
 from visitlab_cli.terminal import tell, tell_json
+
+HELP = Help(
+    "Look",
+    place=8,
+    examples=(
+        "visitlab export quickstart --csv --table results",
+        "visitlab export quickstart --foxglove --trial worst",
+    ),
+)
 
 
 def command(
@@ -47,14 +57,14 @@ def command(
 ) -> None:
     """Write recorded trials as another program shows them, or tables of a run: choose one of the formats."""
     from visitlab_cli.errors import UsageError
-    from visitlab_cli.execution.selection import Selection
+    from visitlab_cli.plan.selection import Selection
     from visitlab_cli.replay.choice import Logs, choose_trial, find_logs
 
     if foxglove + csv + parquet != 1:
         raise UsageError("choose one format: --csv, --parquet or --foxglove")
     selection = Selection(experiment, human, agent, seed, tuple(at or ()))
     if not foxglove:
-        from visitlab_cli.commands.runs_export import tell_table
+        from visitlab_cli.console.tables import tell_table
 
         if trial:
             raise UsageError(

@@ -1,16 +1,22 @@
 """`visitlab figures`: the paper's figures from a run."""
 
-from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
-from visitlab_cli.commands import completion
-from visitlab_cli.commands.options import RUNS, Json, Out, Run
+from visitlab_cli.console import completion
+from visitlab_cli.console.help import Help
+from visitlab_cli.console.options import RUNS, Json, Out, Run
 from visitlab_cli.terminal import tell, tell_json
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+HELP = Help(
+    "Look",
+    place=3,
+    examples=(
+        "visitlab figures quickstart",
+        "visitlab figures quickstart --only fig9 --format png",
+    ),
+)
 
 
 def command(
@@ -34,6 +40,7 @@ def command(
     A published curve is there only where all that decides it is as published. In RUN/figures/.
     """
     from visitlab_cli.figures.making import make_figures
+    from visitlab_cli.replay.strip import strip
     from visitlab_cli.storage.run_folder import find_run
 
     folder = find_run(run, out)
@@ -43,13 +50,3 @@ def command(
             tell(f"{name}: {note}", err=True)
     files = [str(file) for file in made.files]
     tell_json({"run": str(folder), "files": files, "notes": made.notes}, None) if as_json else tell(*files)
-
-
-def strip(log: Path, number: int) -> "Figure":
-    """Draw a trial of a log as a strip."""
-    from visitlab_cli.replay.strip import draw_strip
-    from visitlab_cli.scene.moments import strip_steps
-    from visitlab_cli.scene.trial import load_trial
-
-    trial = load_trial(log, number)
-    return draw_strip(trial, strip_steps(trial.steps))

@@ -6,9 +6,19 @@ from typing import Annotated
 
 import typer
 
-from visitlab_cli.commands import completion
-from visitlab_cli.commands.options import Json
+from visitlab_cli.console import completion
+from visitlab_cli.console.help import Help
+from visitlab_cli.console.options import Json
 from visitlab_cli.terminal import tell, tell_json
+
+HELP = Help(
+    "Configure",
+    place=1,
+    examples=(
+        "visitlab init",
+        "visitlab init my-human --folder experiments",
+    ),
+)
 
 
 def command(
@@ -26,9 +36,9 @@ def command(
 ) -> None:
     """Write a commented example config, what it includes, and the schema that editors use."""
     from visitlab_cli.config.files import shipped_configs, shipped_folder
-    from visitlab_cli.config.problems import or_else
     from visitlab_cli.config.schema import schema_text
     from visitlab_cli.errors import NotFoundError
+    from visitlab_cli.wording import or_else
 
     shipped = shipped_configs()
     if name not in shipped:
@@ -47,8 +57,8 @@ def command(
 
 def _with_includes(path: Path) -> Iterator[Path]:
     """A shipped config, and after it each file that it includes, once."""
-    from visitlab_cli.config.files import read_file
-    from visitlab_cli.config.include import INCLUDE
+    from visitlab_cli.yaml.files import read_file
+    from visitlab_cli.yaml.include import INCLUDE
 
     waiting, seen = [path.resolve()], set[Path]()
     while waiting:

@@ -5,8 +5,19 @@ from typing import Annotated
 
 import typer
 
-from visitlab_cli.commands.options import Json
-from visitlab_cli.terminal import plain, tell_json, tell_text
+from visitlab_cli.console.help import Help
+from visitlab_cli.console.options import Json
+from visitlab_cli.console.words import aligned
+from visitlab_cli.terminal import tell_json, tell_text
+
+HELP = Help(
+    "Look",
+    place=6,
+    examples=(
+        "visitlab optimum",
+        "visitlab optimum --gamma 0.95 --json",
+    ),
+)
 
 
 def command(
@@ -14,8 +25,8 @@ def command(
     as_json: Json = False,
 ) -> None:
     """Exact values: the best policy and random actions, means over random starts; nothing is simulated."""
-    from visitlab_cli.analysis.exact_values import exact_values
     from visitlab_cli.errors import UsageError
+    from visitlab_cli.exact.values import exact_values
 
     if math.isnan(gamma):
         raise UsageError("--gamma nan: must be a number")
@@ -28,16 +39,3 @@ def command(
         [each.task, each.success or "-", each.measure, f"{each.optimal:.4f}", f"{each.random:.4f}"] for each in values
     ]
     tell_text(aligned(rows, words=3))
-
-
-def aligned(rows: list[list[str]], words: int) -> str:
-    """Rows as columns two spaces apart; the first `words` columns are words, to the left, the others numbers."""
-    rows = [list(map(plain, row)) for row in rows]
-    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
-    return "\n".join(
-        "  ".join(
-            cell.ljust(width) if column < words else cell.rjust(width)
-            for column, (cell, width) in enumerate(zip(row, widths, strict=True))
-        ).rstrip()
-        for row in rows
-    )

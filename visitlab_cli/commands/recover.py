@@ -5,11 +5,22 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from visitlab_cli.commands.options import Json
+from visitlab_cli.console.help import Help
+from visitlab_cli.console.options import Json
 from visitlab_cli.terminal import tell, tell_json
 
 if TYPE_CHECKING:
-    from visitlab_cli.recording.recovery import Recovered
+    from visitlab_cli.log.recovery.recovery import Recovered
+
+
+HELP = Help(
+    "Runs",
+    place=2,
+    examples=(
+        "visitlab recover runs/quickstart-*/visit/human_2/seed-0000/steps.mcap --output whole.mcap",
+        "visitlab recover runs/quickstart-*/social/mb/human_2/seed-0000/steps.mcap --output social.mcap --json",
+    ),
+)
 
 
 def command(
@@ -23,7 +34,7 @@ def command(
     as_json: Json = False,
 ) -> None:
     """Save every whole chunk of a log that was cut or damaged, as a whole log."""
-    from visitlab_cli.recording.recovery import recover
+    from visitlab_cli.log.recovery.recovery import recover
 
     saved = recover(broken, output)
     if as_json:

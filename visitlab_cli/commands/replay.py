@@ -5,8 +5,18 @@ from typing import Annotated
 
 import typer
 
-from visitlab_cli.commands.options import RUNS, Agent, At, Experiment, Human, Json, Out, RunOrFile, Seed, TrialWord
+from visitlab_cli.console.help import Help
+from visitlab_cli.console.options import RUNS, Agent, At, Experiment, Human, Json, Out, RunOrFile, Seed, TrialWord
 from visitlab_cli.terminal import tell, tell_json
+
+HELP = Help(
+    "Look",
+    place=1,
+    examples=(
+        "visitlab replay quickstart --trial worst --save worst.rrd",
+        "visitlab replay quickstart --trial 31 --strip strip.svg",
+    ),
+)
 
 
 def command(
@@ -34,7 +44,7 @@ def command(
         raise UsageError("--png and --step: a picture needs both, as in --png picture.png --step 12")
     if save is not None and save.suffix.lower() != ".rrd":
         raise UsageError(f"--save {save}: must end in .rrd")
-    from visitlab_cli.execution.selection import Selection
+    from visitlab_cli.plan.selection import Selection
     from visitlab_cli.replay.choice import choose_trial, find_logs
     from visitlab_cli.scene.trial import load_trial
 

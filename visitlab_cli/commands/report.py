@@ -5,8 +5,18 @@ from typing import Annotated
 
 import typer
 
-from visitlab_cli.commands.options import RUNS, Json, Out, Run
+from visitlab_cli.console.help import Help
+from visitlab_cli.console.options import RUNS, Json, Out, Run
 from visitlab_cli.terminal import tell, tell_json
+
+HELP = Help(
+    "Look",
+    place=7,
+    examples=(
+        "visitlab report quickstart",
+        "visitlab report latest --output report.html",
+    ),
+)
 
 
 def command(

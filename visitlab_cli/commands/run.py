@@ -1,6 +1,7 @@
 """`visitlab run`: train the modules, play the visit, record, tell."""
 
-from visitlab_cli.commands.options import (
+from visitlab_cli.console.help import Help
+from visitlab_cli.console.options import (
     RUNS,
     Config,
     DryRun,
@@ -11,6 +12,15 @@ from visitlab_cli.commands.options import (
     Quiet,
     Verbose,
     Workers,
+)
+
+HELP = Help(
+    "Run",
+    place=1,
+    examples=(
+        "visitlab run quickstart",
+        "visitlab run quickstart name=short experiments.social.steps=20000",
+    ),
 )
 
 
@@ -26,9 +36,9 @@ def command(
     no_color: NoColor = False,
 ) -> None:
     """Run everything that a config declares: trainings, then visits. What is done already is kept."""
-    from visitlab_cli.commands.running import How, run_config
     from visitlab_cli.config.loading import load
-    from visitlab_cli.execution.cells import plan
+    from visitlab_cli.console.running import How, run_config
+    from visitlab_cli.plan.cells import plan
 
     loaded = load(config, overrides or [])
     run_config(out, loaded, plan, How(workers, dry_run, as_json, quiet, verbose))

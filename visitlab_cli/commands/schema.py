@@ -1,6 +1,16 @@
 """`visitlab schema`: the JSON Schema of a config, from which editors complete and check it."""
 
+from visitlab_cli.console.help import Help
 from visitlab_cli.terminal import tell_text
+
+HELP = Help(
+    "Configure",
+    place=3,
+    examples=(
+        "visitlab schema | head",
+        "visitlab schema > schema.json",
+    ),
+)
 
 
 def command() -> None:

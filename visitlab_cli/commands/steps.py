@@ -2,13 +2,24 @@
 
 from typing import TYPE_CHECKING, Any
 
-from visitlab_cli.commands.optimum import aligned
-from visitlab_cli.commands.options import RUNS, Agent, At, Experiment, Human, Json, Out, RunOrFile, Seed, TrialWord
+from visitlab_cli.console.help import Help
+from visitlab_cli.console.options import RUNS, Agent, At, Experiment, Human, Json, Out, RunOrFile, Seed, TrialWord
+from visitlab_cli.console.words import aligned
 from visitlab_cli.terminal import plain as in_line
 from visitlab_cli.terminal import tell, tell_json, tell_text
 
 if TYPE_CHECKING:
     from visitlab_cli.scene.words import Steps
+
+
+HELP = Help(
+    "Look",
+    place=2,
+    examples=(
+        "visitlab steps quickstart --trial worst",
+        "visitlab steps quickstart --experiment social --trial 9000 --json",
+    ),
+)
 
 
 def command(
@@ -23,8 +34,8 @@ def command(
     as_json: Json = False,
 ) -> None:
     """Print a recorded trial as a table, one step a line, in the words of the replay."""
-    from visitlab_cli.execution.selection import Selection
-    from visitlab_cli.recording.reader import check_values, read_trial
+    from visitlab_cli.log.reader import check_values, read_trial
+    from visitlab_cli.plan.selection import Selection
     from visitlab_cli.replay.choice import choose_trial, find_logs
 
     chosen = choose_trial(find_logs(run, out, Selection(experiment, human, agent, seed, tuple(at or ()))), trial)
@@ -43,7 +54,7 @@ def command(
 
 def plain(steps: "Steps") -> list[dict[str, Any]]:
     """Each step as the log's values, enums by their names, and its caption."""
-    from visitlab_cli.recording.tables import names_of
+    from visitlab_cli.log.tables import names_of
     from visitlab_cli.scene.words import captions
 
     columns = {}

@@ -2,7 +2,8 @@
 
 from typing import TYPE_CHECKING
 
-from visitlab_cli.commands.options import (
+from visitlab_cli.console.help import Help
+from visitlab_cli.console.options import (
     RUNS,
     Config,
     DryRun,
@@ -17,7 +18,17 @@ from visitlab_cli.commands.options import (
 
 if TYPE_CHECKING:
     from visitlab_cli.config.model import Config as AnyConfig
-    from visitlab_cli.execution.cells import Cell
+    from visitlab_cli.plan.cells import Cell
+
+
+HELP = Help(
+    "Run",
+    place=2,
+    examples=(
+        "visitlab train quickstart",
+        "visitlab train my-human seeds=30 --workers 2 --dry-run",
+    ),
+)
 
 
 def command(
@@ -32,15 +43,15 @@ def command(
     no_color: NoColor = False,
 ) -> None:
     """Train the modules that a config declares. `visitlab eval RUN` then plays the visits."""
-    from visitlab_cli.commands.running import How, run_config
     from visitlab_cli.config.loading import load
+    from visitlab_cli.console.running import How, run_config
 
     loaded = load(config, overrides or [])
     run_config(out, loaded, _trainings, How(workers, dry_run, as_json, quiet, verbose))
 
 
 def _trainings(config: "AnyConfig") -> "list[Cell]":
-    from visitlab_cli.execution.cells import plan
+    from visitlab_cli.plan.cells import plan
     from visitlab_cli.world.tasks import VISIT
 
     return [cell for cell in plan(config) if cell.task != VISIT]

@@ -4,8 +4,18 @@ from typing import Annotated, Any
 
 import typer
 
-from visitlab_cli.commands.options import Config, Json, Overrides
+from visitlab_cli.console.help import Help
+from visitlab_cli.console.options import Config, Json, Overrides
 from visitlab_cli.terminal import tell, tell_json, tell_text
+
+HELP = Help(
+    "Configure",
+    place=2,
+    examples=(
+        "visitlab validate my-human",
+        "visitlab validate quickstart seeds=10 --show",
+    ),
+)
 
 
 def command(
@@ -20,7 +30,7 @@ def command(
     from visitlab_cli.config.canonical import canonical, config_hash, dump_yaml
     from visitlab_cli.config.loading import load
     from visitlab_cli.errors import ConfigError
-    from visitlab_cli.execution.cells import plan
+    from visitlab_cli.plan.cells import plan
 
     try:
         loaded = load(config, overrides or [])

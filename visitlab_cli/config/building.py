@@ -9,15 +9,16 @@ from pydantic import TypeAdapter, ValidationError
 
 from visitlab_cli.agents.registry import AnyAgent
 from visitlab_cli.config.canonical import canonical
-from visitlab_cli.config.document import Node, Plain
 from visitlab_cli.config.experiments import AnyExperiment
 from visitlab_cli.config.like import resolve_like
 from visitlab_cli.config.messages import issues_of
 from visitlab_cli.config.model import Config
-from visitlab_cli.config.problems import Issue, Problem, failure, positioned, start_comparing
 from visitlab_cli.config.references import Declared
 from visitlab_cli.config.references import issues as reference_issues
 from visitlab_cli.humans.registry import AnyHuman
+from visitlab_cli.wording import start_comparing
+from visitlab_cli.yaml.document import Node, Plain
+from visitlab_cli.yaml.problems import Issue, Problem, failure, positioned
 
 NOT_KEPT = "can't be kept: it is read otherwise than it is written (a fault of its kind)"
 _ENTRIES: dict[str, TypeAdapter[Any]] = {

@@ -7,8 +7,8 @@ from typing import Any
 import yaml
 
 from visitlab_cli.config.model import Config
-from visitlab_cli.config.scalars import meaning
 from visitlab_cli.settings import as_yaml
+from visitlab_cli.yaml.scalars import meaning
 
 NOT_HASHED = ("name", "seeds", "expected")
 HASH_DIGITS = 8

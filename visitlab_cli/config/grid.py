@@ -9,12 +9,13 @@ from typing import Any, NamedTuple
 
 from visitlab_cli.config.building import check
 from visitlab_cli.config.canonical import canonical
-from visitlab_cli.config.document import Node, split_path
 from visitlab_cli.config.experiments import Visit
 from visitlab_cli.config.model import Config
-from visitlab_cli.config.problems import Issue, dotted, failure, nearest_name, or_else, positioned, printable
 from visitlab_cli.errors import ConfigError
 from visitlab_cli.settings import at_default
+from visitlab_cli.wording import nearest_name, or_else, printable
+from visitlab_cli.yaml.document import Node, split_path
+from visitlab_cli.yaml.problems import Issue, dotted, failure, positioned
 
 MOST_POINTS = 10_000
 MOST_CELLS = 100_000

@@ -1,7 +1,8 @@
 """`like`: an entry that starts from another one of the same mapping."""
 
-from visitlab_cli.config.document import Node
-from visitlab_cli.config.problems import Issue, Path, dotted, or_else
+from visitlab_cli.wording import or_else
+from visitlab_cli.yaml.document import Node
+from visitlab_cli.yaml.problems import Issue, Path, dotted
 
 LIKE = "like"
 SECTIONS = {"humans": "human", "agents": "agent"}

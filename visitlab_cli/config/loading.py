@@ -4,15 +4,24 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from visitlab_cli.config.building import build
-from visitlab_cli.config.document import Node, Place
-from visitlab_cli.config.files import find, read_content
+from visitlab_cli.config.files import find
 from visitlab_cli.config.grid import with_checked_grid
-from visitlab_cli.config.include import read_with_includes
 from visitlab_cli.config.model import Config
-from visitlab_cli.config.overrides import apply_overrides
-from visitlab_cli.config.problems import Problem, failure, shown
-from visitlab_cli.config.yaml_reader import read_yaml
 from visitlab_cli.errors import UsageError
+from visitlab_cli.wording import shown
+from visitlab_cli.yaml.document import Node, Place
+from visitlab_cli.yaml.files import read_content
+from visitlab_cli.yaml.include import read_with_includes
+from visitlab_cli.yaml.overrides import Sections, apply_overrides
+from visitlab_cli.yaml.problems import Problem, failure
+from visitlab_cli.yaml.reader import read_yaml
+
+OWN_KEYS = ("name", "seed", "seeds", "record")
+"""What a file does not take over from those that it includes."""
+EXPECTED = "expected"
+HARMLESS = ("seed", "seeds")
+"""What may be overridden without making the expected values meaningless."""
+SECTIONS = Sections({"humans": "human", "agents": "agent", "experiments": "experiment"}, dotted=("vary",))
 
 
 def load(name: str | Path, overrides: Sequence[str] = ()) -> Config:
@@ -31,8 +40,11 @@ def load(name: str | Path, overrides: Sequence[str] = ()) -> Config:
         ConfigError: with a line `file:line:column: path: message` for every problem.
         UsageError: for an override that is not `key=value`, or of a setting that varies.
     """
-    document, problems = read_with_includes(find(name))
-    document, more = apply_overrides(document, overrides)
+    document, problems = read_with_includes(find(name), OWN_KEYS)
+    keys = [override.partition("=")[0] for override in overrides]
+    if any(key not in HARMLESS and key.split(".")[0] != EXPECTED for key in keys):
+        document = document.with_entries({key: node for key, node in document.value.items() if key != EXPECTED})
+    document, more = apply_overrides(document, overrides, SECTIONS)
     config = with_checked_grid(build(document, problems + more), document)
     for key, _, text in (override.partition("=") for override in overrides):
         if key in config.vary:

@@ -8,8 +8,9 @@ from pydantic_core import ErrorDetails
 
 from visitlab_cli.config.model import Config
 from visitlab_cli.config.names import MODULE_PATTERN, MODULE_RULE, NAME_RULE
-from visitlab_cli.config.problems import Issue, Path, or_else, shown
 from visitlab_cli.settings import key_of, keys_of
+from visitlab_cli.wording import or_else, shown
+from visitlab_cli.yaml.problems import Issue, Path
 
 TAGGED_SECTIONS = ("agents", "experiments")
 EXTRA_KEYS: dict[str, tuple[str, ...]] = {"": ("include",), "humans": ("like",), "agents": ("like",)}

@@ -6,10 +6,11 @@ from typing import Any, NamedTuple
 from visitlab_cli.agents.base import AgentParameters
 from visitlab_cli.config.experiments import MODULE_TASKS, SocialTraining, Visit
 from visitlab_cli.config.names import module
-from visitlab_cli.config.problems import Issue, Path, or_else, printable
 from visitlab_cli.humans.base import HumanParameters
 from visitlab_cli.settings import key_of
+from visitlab_cli.wording import or_else, printable
 from visitlab_cli.world.tasks import SOCIAL, VISIT
+from visitlab_cli.yaml.problems import Issue, Path
 
 
 class Declared(NamedTuple):

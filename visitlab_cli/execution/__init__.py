@@ -1,1 +1,1 @@
-"""From a config to finished cells: the plan, the workers, progress and resuming."""
+"""Running cells: build one, play it, workers, progress, continuing."""

@@ -9,7 +9,7 @@ from visitlab_cli.agents.base import AgentParameters, Saved, Setting
 from visitlab_cli.agents.greedy_table import GreedyTable
 from visitlab_cli.config.experiment import Site
 from visitlab_cli.errors import RunError
-from visitlab_cli.execution.cells import Cell
+from visitlab_cli.plan.cells import Cell
 from visitlab_cli.world.lab import paper_lab
 from visitlab_cli.world.tasks import SOCIAL, TASKS
 

@@ -14,11 +14,11 @@ from visitlab_cli.agents.base import Saved
 from visitlab_cli.agents.greedy_table import GreedyTable
 from visitlab_cli.config.canonical import hashed_yaml
 from visitlab_cli.execution.build import Simulation, build
-from visitlab_cli.execution.cells import Cell
-from visitlab_cli.execution.saved import modules_of
 from visitlab_cli.execution.versions import versions
+from visitlab_cli.log.writer import StepRecorder
+from visitlab_cli.plan.cells import Cell
+from visitlab_cli.plan.saved import modules_of
 from visitlab_cli.random_numbers import RandomState, random_state
-from visitlab_cli.recording.writer import StepRecorder
 from visitlab_cli.simulation.loop import BLOCK_ROWS, START, play
 from visitlab_cli.sources import sources
 from visitlab_cli.storage.arrays import write_model, write_trials

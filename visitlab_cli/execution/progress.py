@@ -9,7 +9,7 @@ import rich.progress
 from rich.console import Console
 from rich.text import Text
 
-from visitlab_cli.execution.cells import Cell
+from visitlab_cli.plan.cells import Cell
 from visitlab_cli.terminal import plain
 
 SECONDS_BETWEEN_LINES = 30.0

@@ -11,11 +11,11 @@ from pathlib import Path
 from typing import Any
 
 from visitlab_cli.errors import Interrupted, VisitlabError
-from visitlab_cli.execution.cells import Cell
-from visitlab_cli.execution.evaluation import record_evaluation
 from visitlab_cli.execution.progress import Progress
 from visitlab_cli.execution.silence import Silence
 from visitlab_cli.execution.workers import OtherCodeError, Workers
+from visitlab_cli.plan.cells import Cell
+from visitlab_cli.plan.evaluation import record_evaluation
 from visitlab_cli.stopping import check_asked, ending_signals
 from visitlab_cli.storage.cell_folder import read_cell, remove_leftovers
 from visitlab_cli.storage.inside import check_all_inside

@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from visitlab_cli.execution.cells import Cell
+from visitlab_cli.plan.cells import Cell
 from visitlab_cli.simulation.loop import BLOCK_ROWS
 
 SECONDS_OF_SILENCE = 60.0

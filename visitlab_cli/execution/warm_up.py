@@ -11,8 +11,8 @@ from visitlab_cli.agents.base import Saved, Setting
 from visitlab_cli.compiled import JIT_DISABLED, cache_folder, cache_place
 from visitlab_cli.execution.build import Simulation, build
 from visitlab_cli.execution.cell_runner import simulate
-from visitlab_cli.execution.cells import Cell
 from visitlab_cli.kernel_cache import VARIABLE, KernelCache
+from visitlab_cli.plan.cells import Cell
 from visitlab_cli.random_numbers import random_state
 from visitlab_cli.stopping import check_asked, nothing_to_lose
 from visitlab_cli.world.columns import StepColumns

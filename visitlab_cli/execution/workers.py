@@ -24,7 +24,7 @@ from types import ModuleType
 from typing import Any, NamedTuple
 
 from visitlab_cli.errors import Interrupted, RunError, UsageError
-from visitlab_cli.execution.cells import Cell
+from visitlab_cli.plan.cells import Cell
 from visitlab_cli.sources import PACKAGE, sources
 from visitlab_cli.stopping import ending_signals
 

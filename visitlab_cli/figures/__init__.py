@@ -1,1 +1,1 @@
-"""The paper's figures from a run, drawn with matplotlib."""
+"""All pictures of a run as files: the paper's, a grid's, a matrix."""

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from visitlab_cli.figures.source import Source
+from visitlab_cli.paper.figures.source import Source
 from visitlab_cli.results.estimates import Estimate, mean_of
 from visitlab_cli.results.groups import Group, groups_of, unit_values
 from visitlab_cli.results.units import Units

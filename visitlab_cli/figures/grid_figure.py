@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from visitlab_cli.figures.drawing import Drawing
 from visitlab_cli.figures.grid import Axis, Level, Line, levels_of
-from visitlab_cli.figures.learning import measure_of, x_of
-from visitlab_cli.figures.source import Source
+from visitlab_cli.paper.figures.learning import measure_of, x_of
+from visitlab_cli.paper.figures.source import Source
+from visitlab_cli.pictures.drawing import Drawing
 from visitlab_cli.pictures.style import BLUE, FONT_SIZE, GREEN, GREY, INK, ORANGE, PAGE, PURPLE, SMALL, VERMILION
 from visitlab_cli.pictures.words import in_lines
 from visitlab_cli.results.curves import curve_of, equal_edges

@@ -6,12 +6,12 @@ from pathlib import Path
 from typing import NamedTuple
 
 from visitlab_cli.errors import NotFoundError, UsageError
-from visitlab_cli.figures.drawing import Drawing
-from visitlab_cli.figures.fig7 import draw_fig7
-from visitlab_cli.figures.fig9 import Strip, draw_fig9
 from visitlab_cli.figures.grid_figure import draw_grid
-from visitlab_cli.figures.learning_figure import draw_fig6, draw_fig8
-from visitlab_cli.figures.source import Source, open_source
+from visitlab_cli.paper.figures.fig7 import draw_fig7
+from visitlab_cli.paper.figures.fig9 import Strip, draw_fig9
+from visitlab_cli.paper.figures.learning_figure import draw_fig6, draw_fig8
+from visitlab_cli.paper.figures.source import Source, open_source
+from visitlab_cli.pictures.drawing import Drawing
 from visitlab_cli.pictures.style import FORMATS, STRIP_STYLE, STYLE, save, styled
 from visitlab_cli.storage.inside import check_inside
 from visitlab_cli.storage.locks import being_written

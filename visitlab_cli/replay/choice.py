@@ -8,14 +8,14 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from visitlab_cli.config.problems import few, printable
 from visitlab_cli.errors import NotFoundError, RunError, UsageError
-from visitlab_cli.execution.cells import Cell, plan
-from visitlab_cli.execution.selection import MOST_NAMED, Selection
-from visitlab_cli.recording.reader import read_steps, trials
+from visitlab_cli.log.reader import read_steps, trials
+from visitlab_cli.plan.cells import Cell, plan
+from visitlab_cli.plan.selection import MOST_NAMED, Selection
 from visitlab_cli.storage.arrays import read_trials
 from visitlab_cli.storage.cell_folder import STEPS, TRIALS, read_cell, reason
 from visitlab_cli.storage.run_folder import find_run, read_config
+from visitlab_cli.wording import few, printable
 from visitlab_cli.world.enums import InteractionLevel
 from visitlab_cli.world.tasks import VISIT
 

@@ -23,7 +23,7 @@ from google.protobuf.timestamp_pb2 import Timestamp
 from mcap.well_known import MessageEncoding, SchemaEncoding
 from mcap.writer import Writer
 
-from visitlab_cli.recording import schema
+from visitlab_cli.log import schema
 from visitlab_cli.replay import foxglove_schema
 from visitlab_cli.replay.foxglove_scene import Fields, lab_entities, scene_entities, transforms
 from visitlab_cli.replay.foxglove_schema import FRAME_TRANSFORMS, LOG, SCENE_UPDATE, message_class

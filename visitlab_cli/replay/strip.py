@@ -20,7 +20,7 @@ from visitlab_cli.scene.colours import (
 )
 from visitlab_cli.scene.moments import left_out, moments, strip_steps
 from visitlab_cli.scene.scene import Scene
-from visitlab_cli.scene.trial import Trial
+from visitlab_cli.scene.trial import Trial, load_trial
 from visitlab_cli.scene.words import LEVEL_NAMES, action_name, direction_name
 from visitlab_cli.whole_file import write_again
 from visitlab_cli.world.tasks import VISIT
@@ -59,6 +59,12 @@ def save_strip(trial: Trial, target: Path) -> None:
     except ModuleNotFoundError as error:
         raise RunError("a strip needs matplotlib; install it with pip install matplotlib") from error
     write_again(target, content.getvalue())
+
+
+def strip(log: Path, number: int) -> "Figure":
+    """A recorded trial of a log as a strip."""
+    trial = load_trial(log, number)
+    return draw_strip(trial, strip_steps(trial.steps))
 
 
 def draw_strip(trial: Trial, steps: Sequence[int]) -> "Figure":

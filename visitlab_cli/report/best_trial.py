@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from visitlab_cli.execution.cells import Cell
-from visitlab_cli.execution.saved import trials_of
-from visitlab_cli.recording.reader import check_values, read_trial
+from visitlab_cli.log.reader import check_values, read_trial
+from visitlab_cli.plan.cells import Cell
+from visitlab_cli.plan.saved import trials_of
 from visitlab_cli.results.groups import Group
 from visitlab_cli.results.varying import BETWEEN, Varying, varying
 from visitlab_cli.scene.moments import moments

@@ -7,10 +7,10 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from visitlab_cli.analysis.exact_values import Possible, possible
 from visitlab_cli.colours import Look, looks_of
 from visitlab_cli.config.experiments import Visit
-from visitlab_cli.execution.cells import Cell
+from visitlab_cli.exact.values import Possible, possible
+from visitlab_cli.plan.cells import Cell
 from visitlab_cli.results.curves import curve_of
 from visitlab_cli.results.groups import Group
 from visitlab_cli.results.varying import names_within, varying

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 from visitlab_cli.colours import looks_of
 from visitlab_cli.config.model import Config
-from visitlab_cli.execution.cells import Cell
+from visitlab_cli.plan.cells import Cell
 from visitlab_cli.results.against_script import AgainstScript
 from visitlab_cli.results.expected import Result
 from visitlab_cli.results.marginal import Marginal

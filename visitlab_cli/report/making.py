@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 from visitlab_cli.config.model import Config
 from visitlab_cli.errors import NotFoundError, RunError, UsageError
-from visitlab_cli.execution.cells import Cell, plan
+from visitlab_cli.plan.cells import Cell, plan
 from visitlab_cli.report.best_trial import best_trials
 from visitlab_cli.report.curves import Chart, charts_of
 from visitlab_cli.report.facts import Facts

@@ -11,8 +11,8 @@ import numpy as np
 import numpy.typing as npt
 
 from visitlab_cli.errors import RunError
-from visitlab_cli.execution.cells import Cell
-from visitlab_cli.execution.saved import trials_of
+from visitlab_cli.plan.cells import Cell
+from visitlab_cli.plan.saved import trials_of
 from visitlab_cli.results.estimates import half_width
 from visitlab_cli.results.units import Units, by_unit
 from visitlab_cli.storage.cell_folder import TRIALS

@@ -6,8 +6,8 @@ from pathlib import Path
 from visitlab_cli.config.experiments import Visit
 from visitlab_cli.config.model import Config
 from visitlab_cli.config.names import module
-from visitlab_cli.execution.cells import Cell, plan
-from visitlab_cli.execution.evaluation import Evaluation, recorded_evaluations
+from visitlab_cli.plan.cells import Cell, plan
+from visitlab_cli.plan.evaluation import Evaluation, recorded_evaluations
 from visitlab_cli.storage.cell_folder import read_cell
 
 

@@ -7,12 +7,12 @@ from statistics import fmean
 from typing import Any
 
 from visitlab_cli.config.model import Config
-from visitlab_cli.config.problems import or_else
 from visitlab_cli.errors import ConfigError
-from visitlab_cli.execution.cells import Cell
-from visitlab_cli.execution.saved import trials_of
+from visitlab_cli.plan.cells import Cell
+from visitlab_cli.plan.saved import trials_of
 from visitlab_cli.results.groups import Measure, Point, groups_of, reached, unit_values
 from visitlab_cli.storage.cell_folder import read_cell
+from visitlab_cli.wording import or_else
 from visitlab_cli.world.tasks import VISIT
 
 

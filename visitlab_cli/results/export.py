@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from visitlab_cli.errors import NotFoundError
-from visitlab_cli.execution.cells import Cell
+from visitlab_cli.plan.cells import Cell
 from visitlab_cli.results.summary import Summary, summaries
 from visitlab_cli.results.tables import Reader, model_of, steps_of, tables, trials_of
 from visitlab_cli.whole_file import new_file

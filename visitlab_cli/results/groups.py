@@ -5,9 +5,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 from visitlab_cli.config.grid import value_in_words
-from visitlab_cli.execution.cells import Cell
-from visitlab_cli.execution.evaluation import Evaluation
-from visitlab_cli.execution.saved import trials_of
+from visitlab_cli.plan.cells import Cell
+from visitlab_cli.plan.evaluation import Evaluation
+from visitlab_cli.plan.saved import trials_of
 from visitlab_cli.results.units import by_unit
 from visitlab_cli.storage.cell_folder import read_cell
 from visitlab_cli.world.tasks import VISIT

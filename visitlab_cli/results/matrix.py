@@ -13,8 +13,8 @@ from typing import Any, NamedTuple
 from visitlab_cli.config.experiments import SocialTraining, Visit
 from visitlab_cli.config.model import Config
 from visitlab_cli.config.names import module
-from visitlab_cli.execution.cells import Cell, plan
-from visitlab_cli.execution.evaluation import AS_DECLARED, Evaluation
+from visitlab_cli.plan.cells import Cell, plan
+from visitlab_cli.plan.evaluation import AS_DECLARED, Evaluation
 from visitlab_cli.results.estimates import Estimate, mean_of
 from visitlab_cli.results.groups import unit_values
 from visitlab_cli.results.units import Units, in_words

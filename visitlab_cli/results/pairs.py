@@ -14,12 +14,12 @@ from typing import Any, NamedTuple
 
 from visitlab_cli.config.experiments import Visit
 from visitlab_cli.config.names import module
-from visitlab_cli.config.problems import or_else
 from visitlab_cli.errors import NotFoundError, UsageError
-from visitlab_cli.execution.cells import Cell
+from visitlab_cli.plan.cells import Cell
 from visitlab_cli.results.estimates import Estimate, difference_of, mean_of, probability_of_improvement
 from visitlab_cli.results.groups import Group, Point, groups_of, unit_values
 from visitlab_cli.settings import as_yaml
+from visitlab_cli.wording import or_else
 
 AGENT, HUMAN = "agent", "human"
 Values = dict[str, float]

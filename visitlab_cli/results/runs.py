@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 from visitlab_cli.config.model import Config
 from visitlab_cli.errors import VisitlabError
-from visitlab_cli.execution.cells import Cell, plan
+from visitlab_cli.plan.cells import Cell, plan
 from visitlab_cli.storage.cell_folder import read_cell
 from visitlab_cli.storage.on_disk import bytes_below
 from visitlab_cli.storage.run_folder import all_runs, read_config

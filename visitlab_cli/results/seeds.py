@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from visitlab_cli.execution.cells import Cell
+from visitlab_cli.plan.cells import Cell
 from visitlab_cli.results.groups import unit_values
 
 

@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from visitlab_cli.execution.cells import Cell
-from visitlab_cli.execution.saved import trials_of
+from visitlab_cli.plan.cells import Cell
+from visitlab_cli.plan.saved import trials_of
 from visitlab_cli.results.curves import in_batches
 from visitlab_cli.results.estimates import Estimate, mean_of
 from visitlab_cli.results.groups import Group, groups_of, unit_values

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from visitlab_cli.errors import NotFoundError
-from visitlab_cli.execution import saved
-from visitlab_cli.execution.cells import Cell
-from visitlab_cli.recording.reader import check_values, read_steps
-from visitlab_cli.recording.tables import to_arrow
+from visitlab_cli.log.reader import check_values, read_steps
+from visitlab_cli.log.tables import to_arrow
+from visitlab_cli.plan import saved
+from visitlab_cli.plan.cells import Cell
 from visitlab_cli.results.groups import point_of
 from visitlab_cli.storage.cell_folder import STEPS
 

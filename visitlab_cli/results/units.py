@@ -8,7 +8,7 @@ one pretend to be more robots than were trained. An interval of the mean is over
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
-from visitlab_cli.execution.cells import Cell
+from visitlab_cli.plan.cells import Cell
 
 SHARED = "Visits of the same trained modules count as one: n models were trained, and the interval is over them."
 """To be said wherever visits share their models."""

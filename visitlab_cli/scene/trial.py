@@ -10,8 +10,8 @@ import yaml
 
 from visitlab_cli.agents.declared import floats
 from visitlab_cli.errors import RunError, VisitlabError
-from visitlab_cli.recording.reader import check_values, read_attachment, read_metadata, read_trial
-from visitlab_cli.recording.schema import CONFIG_NAME
+from visitlab_cli.log.reader import check_values, read_attachment, read_metadata, read_trial
+from visitlab_cli.log.schema import CONFIG_NAME
 from visitlab_cli.scene.words import Steps
 from visitlab_cli.storage.arrays import read_model
 from visitlab_cli.storage.cell_folder import MODEL

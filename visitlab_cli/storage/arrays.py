@@ -7,11 +7,11 @@ import numpy as np
 import numpy.typing as npt
 
 from visitlab_cli.agents.declared import Declared
-from visitlab_cli.config.problems import printable
 from visitlab_cli.errors import NotFoundError, RunError, reason
 from visitlab_cli.storage.npz import Arrays, NotAModelError, read_npz
 from visitlab_cli.storage.parquet import decode
 from visitlab_cli.storage.reading import is_file, read_bytes
+from visitlab_cli.wording import printable
 
 __all__ = ["Arrays", "damaged", "read_model", "read_trials", "write_model", "write_trials"]
 

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from enum import Enum
 from typing import Any, NamedTuple
 
-from visitlab_cli.config.problems import few
+from visitlab_cli.wording import few
 
 MOST_DIFFERENCES = 5
 

@@ -4,8 +4,8 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from visitlab_cli.config.problems import few
 from visitlab_cli.storage.cell_folder import SOURCES, read_cell
+from visitlab_cli.wording import few
 
 UNKNOWN = "unknown"
 """What made a cell of before cells stated it."""

@@ -5,17 +5,17 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from visitlab_cli.config.canonical import canonical_json, config_hash, dump_yaml, hashed
-from visitlab_cli.config.files import MOST_BYTES
 from visitlab_cli.config.loading import load_content
 from visitlab_cli.config.model import Config
 from visitlab_cli.config.names import RESERVED_RUNS
-from visitlab_cli.config.problems import printable
 from visitlab_cli.errors import ConfigError, NotFoundError, RunError, UsageError
 from visitlab_cli.storage.cell_folder import DAMAGED, one_line, read_cell, reason, sync, to_json, write_durably
 from visitlab_cli.storage.differences import differences, in_words
 from visitlab_cli.storage.on_disk import cell_folders, set_aside
 from visitlab_cli.storage.reading import read_bytes, read_json
 from visitlab_cli.whole_file import whole_file
+from visitlab_cli.wording import printable
+from visitlab_cli.yaml.files import MOST_BYTES
 
 CONFIG, VERSIONS = "config.yaml", "versions.json"
 (LATEST,) = RESERVED_RUNS

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from visitlab_cli.config.problems import printable
 from visitlab_cli.errors import VisitlabError
 from visitlab_cli.storage.arrays import read_trials
 from visitlab_cli.storage.cell_folder import (
@@ -24,6 +23,7 @@ from visitlab_cli.storage.cell_folder import (
 from visitlab_cli.storage.facts import malformed
 from visitlab_cli.storage.on_disk import was_set_aside
 from visitlab_cli.storage.reading import parse_json, read_text, size_of
+from visitlab_cli.wording import printable
 
 MEANS = {"mean_reward_last_hundredth": 100, "mean_reward_last_tenth": 10}
 """Which part of the trials a mean is of: the last 1%, the last tenth."""

@@ -3,10 +3,10 @@
 from collections.abc import Collection, Iterator
 from pathlib import Path
 
-from visitlab_cli.config.problems import few
 from visitlab_cli.storage.facts import TIMING, seconds_of
 from visitlab_cli.storage.made_by import made_by, mixed
 from visitlab_cli.storage.removal import foreign_files
+from visitlab_cli.wording import few
 
 MOST_NAMED = 3
 

@@ -1,0 +1,5 @@
+"""`visitlab runs`: what lies in the folder of runs, and keeping it in order."""
+
+from visitlab_cli.console.help import Help
+
+HELP = Help("Runs", place=1, summary="List, show, compare, check and remove runs.")

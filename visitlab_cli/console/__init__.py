@@ -1,0 +1,1 @@
+"""What commands share: options, help, completion, running a plan, tables in the terminal."""

@@ -1,0 +1,104 @@
+"""`visitlab eval --matrix`: play every trained human against every human; print the goals, draw them."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from visitlab_cli.console.running import How, raise_first, run_missing
+from visitlab_cli.console.words import aligned
+from visitlab_cli.errors import UsageError, VisitlabError
+from visitlab_cli.terminal import tell, tell_json, tell_text
+
+if TYPE_CHECKING:
+    from visitlab_cli.config.model import Config
+    from visitlab_cli.results.matrix import Matrix, Planned
+
+PICTURE = Path("figures", "matrix.svg")
+
+
+def check_options(*, matrix: bool, frozen: bool, picture: Path | None) -> None:
+    """Refuse options that mean nothing together.
+
+    Raises:
+        UsageError: they do not go together, or the picture has no format.
+    """
+    from visitlab_cli.pictures.style import FORMATS
+
+    if matrix and frozen:
+        raise UsageError("--matrix plays both frozen and adapting; leave out --frozen")
+    if picture is None:
+        return
+    if not matrix:
+        raise UsageError("--picture draws a matrix; add --matrix")
+    if picture.suffix[1:] not in FORMATS:
+        raise UsageError(f"--picture {picture}: must end in {', '.join(f'.{kind}' for kind in FORMATS)}")
+
+
+def planned_cells(run: Path, config: "Config", visit: str, humans: Sequence[str], trials: int | None) -> "Planned":
+    """The visits of a run's matrix.
+
+    Raises:
+        UsageError: the config is a grid, of which each point would have a matrix.
+    """
+    from visitlab_cli.results.matrix import plan_matrix
+
+    if config.vary:
+        raise UsageError(f"--matrix: {run} is a grid (its config varies {', '.join(config.vary)}); run one point of it")
+    return plan_matrix(config, visit, humans, trials)
+
+
+def play_matrix(run: Path, planned: "Planned", picture: Path | None, how: How) -> None:
+    """Play what is missing, print the matrix and draw it; with `dry_run` only tell what there is to do.
+
+    Raises:
+        RunError: a cell failed, or the picture can't be written.
+        UsageError: quiet and verbose at once.
+    """
+    from visitlab_cli.figures.matrix_picture import save_matrix
+    from visitlab_cli.results.matrix import matrix_of
+    from visitlab_cli.storage.inside import check_inside
+
+    failures = run_missing(run, [cell for each in planned.values() for cell in each], how)
+    if failures is None:
+        return
+    if picture is None:
+        check_inside(run, run / PICTURE)
+    matrix, target = matrix_of(run, planned), picture or run / PICTURE
+    if how.as_json:
+        tell_json({"run": str(run), **matrix.as_json(), "picture": str(target)})
+    else:
+        tell_text(text(matrix))
+    try:
+        save_matrix(matrix, target)
+        if not how.as_json:
+            tell("", str(target))
+    except VisitlabError as error:
+        if not failures:
+            raise
+        tell(*map(str, error.args), err=True)
+    raise_first(failures)
+
+
+def text(matrix: "Matrix") -> str:
+    """A table for each mode: a row for each human trained with, a column for each that is led."""
+    from visitlab_cli.results.matrix import ADAPTING, FROZEN
+
+    trials = f"{matrix.trials:,} trial{'s' if matrix.trials != 1 else ''}"
+    return "\n\n".join(
+        [
+            f"Goals a trial of {matrix.visit} with {matrix.social}, {matrix.n}.\n"
+            "Mean over them ± half its 95% interval (Student's t).",
+            f"Frozen: nothing is learned or explored; all {trials}\n{_table(matrix, FROZEN)}",
+            f"Adapting: the social module goes on learning; last tenth of {trials}\n{_table(matrix, ADAPTING)}",
+        ]
+    )
+
+
+def _table(matrix: "Matrix", mode: str) -> str:
+    from visitlab_cli.results.matrix import Pairing
+
+    rows = [["trained with", *matrix.met]]
+    for trained in matrix.trained:
+        values = [matrix.goals[Pairing(trained, met, mode)].value for met in matrix.met]
+        rows.append([trained, *(value.in_words() if value else "-" for value in values)])
+    return aligned(rows, words=1)

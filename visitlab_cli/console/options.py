@@ -1,0 +1,79 @@
+"""Options and arguments that several commands share."""
+
+import os
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from visitlab_cli.console import completion
+
+
+def _no_color(asked: bool) -> None:
+    if asked:
+        os.environ["NO_COLOR"] = "1"  # which rich and typer heed
+
+
+Config = Annotated[
+    str,
+    typer.Argument(
+        metavar="CONFIG",
+        help="A YAML file, or the name of a shipped config (quickstart, my-human, paper).",
+        autocompletion=completion.configs,
+    ),
+]
+Overrides = Annotated[
+    list[str] | None,
+    typer.Argument(metavar="KEY=VALUE", help="Overrides, such as seeds=10.", show_default=False),
+]
+Run = Annotated[
+    str,
+    typer.Argument(
+        metavar="RUN",
+        help="A run's folder, its name, a unique beginning of it, or 'latest'.",
+        autocompletion=completion.runs,
+    ),
+]
+RunOrFile = Annotated[
+    str,
+    typer.Argument(
+        metavar="RUN|FILE",
+        help="A run (its folder, name, 'latest') or an .mcap file.",
+        autocompletion=completion.runs,
+    ),
+]
+Experiment = Annotated[
+    str,
+    typer.Option("--experiment", "-e", help="Of this experiment; else a visit.", autocompletion=completion.experiments),
+]
+Human = Annotated[str, typer.Option(help="With this human.", autocompletion=completion.humans)]
+Agent = Annotated[
+    str,
+    typer.Option(help="Of this agent; in a visit the social module's.", autocompletion=completion.agents),
+]
+Seed = Annotated[int | None, typer.Option(min=0, help="Of this repetition, from 0.")]
+At = Annotated[
+    list[str] | None,
+    typer.Option("--at", metavar="PATH=VALUE", help="Where this varies, at this value; may be repeated."),
+]
+TrialWord = Annotated[
+    str,
+    typer.Option(
+        metavar="N|SELECTOR",
+        help="Its number; best, worst, median or longest-engagement of all that fit.",
+        autocompletion=completion.words("best", "worst", "median", "longest-engagement"),
+    ),
+]
+Out = Annotated[Path, typer.Option("--out", help="The folder of all runs.")]
+Workers = Annotated[
+    int, typer.Option("--workers", "-w", min=0, max=1024, help="Processes; 0: as many as there are cores.")
+]
+Json = Annotated[bool, typer.Option("--json", help="Print the result as JSON.")]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Tell nothing but failures and the result.")]
+Verbose = Annotated[bool, typer.Option("--verbose", "-v", help="Tell when each cell begins, too, and its speed.")]
+DryRun = Annotated[bool, typer.Option("--dry-run", help="Only tell the cells to do, their steps, time and disk.")]
+NoColor = Annotated[
+    bool, typer.Option("--no-color", callback=_no_color, is_eager=True, help="No colours; NO_COLOR=1 does the same.")
+]
+
+RUNS = Path("runs")

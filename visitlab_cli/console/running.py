@@ -1,0 +1,183 @@
+"""What `run`, `train` and `eval` do: run what is missing of a plan, then print the table of results."""
+
+import os
+import shutil
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+from visitlab_cli.console.words import aligned
+from visitlab_cli.errors import RunError, UsageError
+from visitlab_cli.terminal import plain, tell, tell_json, tell_text
+
+if TYPE_CHECKING:
+    from visitlab_cli.config.model import Config
+    from visitlab_cli.execution.progress import Progress
+    from visitlab_cli.execution.runner import Failures
+    from visitlab_cli.plan.cells import Cell
+    from visitlab_cli.results.expected import Result
+
+
+WHICH = "module or visit"
+
+
+class How(NamedTuple):
+    """The options that `run`, `train` and `eval` share; `workers` 0: as many as there are cores."""
+
+    workers: int
+    dry_run: bool
+    as_json: bool
+    quiet: bool
+    verbose: bool
+
+
+def run_config(out: Path, config: "Config", cells_of: "Callable[[Config], list[Cell]]", how: How) -> None:
+    """Run the cells of a config, in its folder below `out`, which is made; with `dry_run` only tell.
+
+    Raises:
+        RunError: as `run_and_tell`, or the folder can't be written.
+        ConfigError: an expected value can never be checked.
+    """
+    from visitlab_cli.execution.versions import versions
+    from visitlab_cli.plan.cells import plan
+    from visitlab_cli.results.expected import check_expected
+    from visitlab_cli.storage.nearest import news_of
+    from visitlab_cli.storage.run_folder import mend_config, open_run, run_folder, run_name
+
+    check_expected(config, plan(config))
+    if not how.quiet and (news := news_of(out, config)):
+        tell(news, err=True)
+    if how.dry_run:
+        folder = out / run_name(config)
+        run_and_tell(folder, config, cells_of(config), how)
+        return
+    from visitlab_cli.storage.locks import being_written
+
+    with being_written(run_folder(out, config), lambda line: tell(line, err=True)):
+        if mended := mend_config(out, config):
+            tell(mended, err=True)
+        folder, config = open_run(out, config, versions())
+        run_and_tell(folder, config, cells_of(config), how)
+
+
+def run_and_tell(run: Path, config: "Config", cells: "Sequence[Cell]", how: How) -> None:
+    """Run the missing cells and print the results; with `dry_run` only tell what there is to do.
+
+    Raises:
+        RunError: a cell failed, or a value is not what the config expects.
+        UsageError: quiet and verbose at once.
+    """
+    failures = run_missing(run, cells, how)
+    if failures is None:
+        return
+    from visitlab_cli.results.expected import results
+
+    lines = results(run, config, cells)
+    if how.as_json:
+        tell_json({"run": str(run), "results": [line.as_json() for line in lines]})
+    else:
+        tell_text(table(lines))
+        tell("", str(run))
+    raise_first(failures)
+    missed = [line.group for line in lines if line.missed]
+    if missed:
+        raise RunError(f"not within the tolerance of what the config expects: {', '.join(missed)}")
+
+
+def run_missing(run: Path, cells: "Sequence[Cell]", how: How) -> "Failures | None":
+    """Run the missing cells, saying what they will cost and have cost; with `dry_run` only tell, and be None.
+
+    Raises:
+        UsageError: quiet and verbose at once.
+    """
+    workers = how.workers or cores()
+    if how.quiet and how.verbose:
+        raise UsageError("--quiet and --verbose: choose one")
+    if how.dry_run:
+        from visitlab_cli.console.dry_run import tell_plan
+
+        tell_plan(run, cells, workers=workers, as_json=how.as_json)
+        return None
+    from visitlab_cli.execution.progress import Progress
+    from visitlab_cli.storage.locks import being_written
+
+    with being_written(run):
+        return _run_missing(run, cells, workers, Progress(how.quiet, how.verbose))
+
+
+def _run_missing(run: Path, cells: "Sequence[Cell]", workers: int, progress: "Progress") -> "Failures":
+    from visitlab_cli.console.dry_run import duration
+    from visitlab_cli.console.words import size_in_words
+    from visitlab_cli.execution.runner import missing_cells, run_cells
+    from visitlab_cli.execution.warm_up import warm_up
+    from visitlab_cli.plan.estimate import estimate
+    from visitlab_cli.sources import sources
+    from visitlab_cli.storage.inside import check_all_inside
+    from visitlab_cli.storage.made_by import continued, made_by
+    from visitlab_cli.storage.on_disk import bytes_below
+    from visitlab_cli.storage.run_folder import edited
+
+    check_all_inside(run, [path for cell in cells for path in (cell.path, *cell.modules.values())])
+    if cells and (note := edited(run, cells[0].run_hash)):
+        progress.say(note)
+    missing = missing_cells(run, cells)
+    needed = [path for cell in cells for path in (cell.path, *cell.modules.values())]
+    if told := continued(made_by(run, needed), sources(), bool(missing)):
+        progress.warn(f"{run}: {told}")
+    if missing:
+        cost = estimate(missing, workers)
+        there = f"about {duration(cost.seconds)} and {size_in_words(cost.bytes)} on the disk"
+        progress.say(f"{run}: {len(missing)} of {len(cells)} cells to do, {there}")
+        if cost.bytes > (free := shutil.disk_usage(run).free):
+            progress.say(f"the disk has only {size_in_words(free)} left; record.steps=none writes no logs")
+        warm_up(missing, progress.say)
+    failures = run_cells(run, cells, workers, progress)
+    if missing:
+        progress.say(f"{run}: {size_in_words(bytes_below(run))} on the disk")
+    return failures
+
+
+def raise_first(failures: "Failures") -> None:
+    """Tell of the first cell that failed, if any did.
+
+    Raises:
+        RunError: one did.
+    """
+    if failures:
+        path, line = next(iter(failures.items()))
+        more = f" (and {len(failures) - 1} more)" if len(failures) > 1 else ""
+        raise RunError(f"{path}: {line}{more}")
+
+
+def cores() -> int:
+    """The cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def table(lines: Sequence["Result"]) -> str:
+    """The results as aligned columns, what varies short; what is not known is a dash."""
+    from visitlab_cli.results.varying import varying
+
+    expecting = any(line.expected is not None for line in lines)
+    head = ["measure", "cells", "value", *(["expected", "difference", "tolerance"] if expecting else [])]
+    varied = varying((line.point for line in lines), taken=(WHICH, *head))
+    rows = [[WHICH, *varied.heads.values(), *head]]
+    for line in lines:
+        row = [
+            line.condition,
+            *varied.values(line.point),
+            line.measure,
+            f"{line.done}/{line.cells}",
+            _number(line.value, ""),
+        ]
+        if expecting:
+            numbers = (line.expected, ""), (line.difference, "+"), (line.tolerance, "")
+            row += [_number(value, sign) for value, sign in numbers]
+        rows.append(row)
+    rows = [list(map(plain, row)) for row in rows]
+    missed = ["", *("  MISSED" if line.missed else "" for line in lines)]
+    return "\n".join(map("".join, zip(aligned(rows, words=2 + len(varied.heads)).splitlines(), missed, strict=True)))
+
+
+def _number(value: float | None, sign: str) -> str:
+    return "-" if value is None else f"{value:{sign}.2f}"

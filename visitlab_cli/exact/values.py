@@ -1,0 +1,67 @@
+"""What is possible at all: the exact values of navigation and go_to_human, optimal and random."""
+
+from typing import NamedTuple
+
+from visitlab_cli.config.experiment import Experiment
+from visitlab_cli.config.experiments import GoToHumanTraining
+from visitlab_cli.exact.go_to_human import go_to_human_optimum, go_to_human_random
+from visitlab_cli.exact.navigation import (
+    navigation_optimal_q,
+    navigation_optimum,
+    navigation_random,
+    navigation_random_discounted,
+)
+from visitlab_cli.world.geometry import DISTANCES
+from visitlab_cli.world.task import TRAINING_TRIAL_STEPS
+from visitlab_cli.world.tasks import GO_TO_HUMAN, NAVIGATION
+
+
+class Possible(NamedTuple):
+    """The expected reward of a trial: the best that can be, and what random actions get."""
+
+    optimum: float
+    random: float
+
+    def share(self, value: float) -> float:
+        """How much of what learning can gain over chance a `value` is: 0 as random, 1 as the optimum."""
+        return (value - self.random) / (self.optimum - self.random)
+
+
+class ExactValue(NamedTuple):
+    """One line of `visitlab optimum`; `success` is empty where the task has no such option."""
+
+    task: str
+    success: str
+    measure: str
+    optimal: float
+    random: float
+
+
+def possible(settings: Experiment, distances: tuple[int, ...] = DISTANCES) -> Possible | None:
+    """What a trial of an experiment can bring; None for a task whose exact values are not known."""
+    if settings.task == NAVIGATION:
+        return Possible(navigation_optimum(settings.trial_steps), navigation_random(settings.trial_steps))
+    if isinstance(settings, GoToHumanTraining):
+        options = settings.trial_steps, settings.success, distances
+        return Possible(go_to_human_optimum(*options), go_to_human_random(*options))
+    return None
+
+
+def exact_values(gamma: float) -> list[ExactValue]:
+    """All of them: sums of a trial of 20 steps, and navigation's discounted values, means over random starts.
+
+    Args:
+        gamma: the discount factor, in [0, 1).
+    """
+    steps = TRAINING_TRIAL_STEPS
+    undiscounted = f"reward of a trial of {steps} steps"
+    discounted = f"discounted, gamma {gamma:g}"
+    best = float(navigation_optimal_q(gamma).max(axis=1).mean())
+    lines = [
+        ExactValue(NAVIGATION, "", undiscounted, navigation_optimum(steps), navigation_random(steps)),
+        ExactValue(NAVIGATION, "", discounted, best, navigation_random_discounted(gamma)),
+    ]
+    for success in ("facing", "seen"):
+        values = go_to_human_optimum(steps, success), go_to_human_random(steps, success)
+        lines.append(ExactValue(GO_TO_HUMAN, success, undiscounted, *values))
+    return lines

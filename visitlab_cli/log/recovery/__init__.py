@@ -1,0 +1,1 @@
+"""Saving what is whole of a log that was cut or damaged."""

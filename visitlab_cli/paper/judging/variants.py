@@ -1,0 +1,115 @@
+"""What decides a curve, and the runs that decide something else: where a cause is looked for.
+
+A variant of a curve is another run that has the curve under the same names, but in which some setting that decides
+it is another. No list of variants is kept: whatever lies in the same runs folder is asked.
+"""
+
+import os
+from collections.abc import Set
+from contextlib import suppress
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from visitlab_cli.config.experiments import SocialTraining, Training, Visit
+from visitlab_cli.config.model import Config
+from visitlab_cli.config.names import Module, module
+from visitlab_cli.errors import RunError
+from visitlab_cli.plan.cells import Cell, plan
+from visitlab_cli.settings import Settings, as_yaml, key_of
+from visitlab_cli.storage.run_folder import all_runs, read_config
+from visitlab_cli.world.tasks import NAVIGATION
+
+Flat = dict[str, Any]
+NOT_DECIDING = {"agents", "humans", "modules", "trials", "steps"}
+"""Settings that only say how many curves there are, or where they end; a module's training length does decide."""
+
+
+class Variant(NamedTuple):
+    """A run and its plan."""
+
+    run: Path
+    cells: list[Cell]
+
+
+def open_variant(run: Path) -> Variant:
+    """A run as a variant.
+
+    Raises:
+        NotFoundError: this is no run folder.
+        RunError: its config is damaged.
+    """
+    return Variant(run, plan(read_config(run)))
+
+
+def variants_beside(run: Path) -> list[Variant]:
+    """The other runs of the folder that `run` lies in; one whose config can't be read shows nothing and is left out."""
+    here = Path(os.path.abspath(run))  # the folder that it was found in, even if it is a link to another place
+    found = []
+    for other in all_runs(here.parent):
+        with suppress(RunError):
+            found += [open_variant(other)] if other.resolve() != here.resolve() else []
+    return found
+
+
+def changes(cell: Cell, other: Cell) -> list[str] | None:
+    """What decides the curve of `other` otherwise than that of `cell`, a line each; None for another curve.
+
+    The two cells have the same group; where a visit's modules have other names it is another curve.
+    """
+    ours, theirs = deciding(cell), deciding(other)
+    if any(ours.get(path) != theirs.get(path) for path in ours.keys() | theirs.keys() if path.endswith(".name")):
+        return None
+    return [
+        f"{path}: {_shown(theirs, path)} (not {_shown(ours, path)})"
+        for path in sorted(ours.keys() | theirs.keys())
+        if ours.get(path) != theirs.get(path)
+    ]
+
+
+def deciding(cell: Cell) -> Flat:
+    """Every setting that decides a curve, by a dotted path that says what it is."""
+    config, settings = cell.config, cell.settings
+    if not isinstance(settings, Visit):
+        names = Module(cell.experiment, cell.agent, cell.human)
+        return _training(config, names, NOT_DECIDING) | _distances(config, cell.task)
+    found = _settings("visit", settings, NOT_DECIDING)
+    found |= _settings("human", config.humans[cell.human])
+    found |= _distances(config, cell.task)
+    for task, name in settings.modules.model_dump().items():
+        training = _training(config, module(name), NOT_DECIDING - {"steps"})
+        found |= {f"{task}.name": name} | {f"{task}.{path}": value for path, value in training.items()}
+    return found
+
+
+def _training(config: Config, names: Module, without: Set[str]) -> Flat:
+    settings = config.experiments[names.experiment]
+    assert isinstance(settings, Training)
+    found = _settings("training", settings, without)
+    agent = config.agents[names.agent]
+    found |= _settings("agent", agent, {key_of(type(agent), role) for role in agent.references})
+    for role in agent.references:
+        found |= _settings(f"agent.{role}", config.agents[getattr(agent, role)])
+    if isinstance(settings, SocialTraining) and names.human:
+        found |= _settings("human", config.humans[names.human])
+    if isinstance(settings, SocialTraining) and settings.start_from is not None:
+        start = _training(config, module(settings.start_from), NOT_DECIDING - {"steps"})
+        found |= {f"start.{path}": value for path, value in start.items()}
+    return found
+
+
+def _settings(path: str, settings: Settings, without: Set[str] = frozenset()) -> Flat:
+    return _flat(path, {key: value for key, value in as_yaml(settings).items() if key not in without})
+
+
+def _distances(config: Config, task: str) -> Flat:
+    return {} if task == NAVIGATION else _flat("distances", list(config.interaction.distances))
+
+
+def _flat(path: str, value: Any) -> Flat:
+    if not isinstance(value, dict):
+        return {path: value}
+    return {where: leaf for key, inner in value.items() for where, leaf in _flat(f"{path}.{key}", inner).items()}
+
+
+def _shown(flat: Flat, path: str) -> str:
+    return str(flat.get(path, "missing"))

@@ -1,0 +1,1 @@
+"""The published curves, and which of ours belongs to each."""

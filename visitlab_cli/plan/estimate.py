@@ -1,0 +1,96 @@
+"""What a plan would cost before it runs: steps, time and disk, from costs that were measured once.
+
+The costs are those of whole cells of 400,000 steps (visits of 100,000) of this version on one core of an ordinary
+2026 server, compiled before, every step recorded, planning as often as by default. Elsewhere they are off by what
+the machine is faster or slower; twice as much or half as much is still the right order.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from visitlab_cli.agents.registry import KINDS
+from visitlab_cli.agents.uniform_random import RandomParameters
+from visitlab_cli.plan.cells import Cell
+from visitlab_cli.world.tasks import GO_TO_HUMAN, NAVIGATION, SOCIAL, VISIT
+
+CELL_SECONDS = {NAVIGATION: 0.02, GO_TO_HUMAN: 0.02, SOCIAL: 0.1, VISIT: 0.04}
+"""A cell of a few steps: its tables are made, its files written."""
+
+LOG_BYTES_A_STEP = {NAVIGATION: 38.0, GO_TO_HUMAN: 38.0, SOCIAL: 43.0, VISIT: 42.0}
+"""A recorded step in `steps.mcap`."""
+LOG_BYTES = 11_000.0
+"""A log without steps: schema, config, index."""
+
+TRIAL_BYTES = 7.0
+"""A trial's row in `trials.parquet`."""
+CELL_BYTES = 3_000.0
+"""The files of a cell with nothing in them."""
+
+MODEL_BYTES = {NAVIGATION: 360_000.0, GO_TO_HUMAN: 75_000.0, SOCIAL: 650_000.0, VISIT: 700_000.0}
+"""A `model.npz` with counts when hardly anything new is met: after `MODEL_STEPS`; before, it grows as below."""
+MODEL_STEPS, MODEL_GROWTH = 200_000, 0.7
+WITHOUT_COUNTS, NOT_LEARNED = 0.25, {"random": 0.0, "scripted": 0.0}
+"""What of it an agent has that keeps no counts, and those that learn nothing."""
+
+
+class Estimate(NamedTuple):
+    """What cells would cost: `steps`, `seconds` on so many workers, `bytes` on the disk."""
+
+    cells: int
+    steps: int
+    seconds: float
+    bytes: int
+
+
+def estimate(cells: Sequence[Cell], workers: int) -> Estimate:
+    """The cost of running `cells` on `workers` processes, compiling not counted.
+
+    A cell runs on one worker and a visit waits for its modules, so more workers than cells gain nothing.
+    """
+    seconds = {cell.path: _seconds(cell) for cell in cells}
+    longest = max(_ends(cells, seconds).values(), default=0.0)
+    shared = sum(seconds.values()) / max(workers, 1)
+    size = sum(_bytes(cell) for cell in cells)
+    return Estimate(len(cells), sum(cell.steps for cell in cells), max(shared, longest), round(size))
+
+
+def _seconds(cell: Cell) -> float:
+    agent = RandomParameters if cell.frozen else cell.config.agents[cell.agent]  # frozen: neither learns nor plans
+    told = agent.microseconds_a_step.get(cell.task)
+    return CELL_SECONDS[cell.task] + cell.steps * (_dearest(cell.task) if told is None else told) / 1e6
+
+
+def _dearest(task: str) -> float:
+    """The microseconds of a step of the dearest kind that tells them."""
+    return max(kind.microseconds_a_step.get(task, 0.0) for kind in KINDS.values())
+
+
+def _ends(cells: Sequence[Cell], seconds: dict[str, float]) -> dict[str, float]:
+    """When each cell would end at the earliest, each after those of the cells that it needs; a plan is in order."""
+    ends: dict[str, float] = {}
+    for cell in cells:
+        begins = max((ends.get(path, 0.0) for path in cell.modules.values()), default=0.0)
+        ends[cell.path] = begins + seconds[cell.path]
+    return ends
+
+
+def _bytes(cell: Cell) -> float:
+    return CELL_BYTES + cell.trials * TRIAL_BYTES + _log_bytes(cell) + _model_bytes(cell)
+
+
+def _log_bytes(cell: Cell) -> float:
+    """Of `steps.mcap`: nothing where no trial is recorded, the first trial at least where some are."""
+    one_in = cell.config.record.one_trial_in
+    if not one_in:
+        return 0.0
+    recorded = -(-cell.trials // one_in) * cell.settings.trial_steps
+    return LOG_BYTES + recorded * LOG_BYTES_A_STEP[cell.task]
+
+
+def _model_bytes(cell: Cell) -> float:
+    """Of `model.npz`, which has what was met; in a visit that of the social module, and its training is in it."""
+    start = cell.settings.starts.get(SOCIAL)
+    steps = cell.steps + (0 if start is None else cell.config.experiments[start.experiment].n_steps)
+    agent = cell.config.agents[cell.agent]
+    share = NOT_LEARNED.get(agent.kind, 1.0 if agent.plans else WITHOUT_COUNTS)
+    return share * MODEL_BYTES[cell.task] * float(min(1.0, (steps / MODEL_STEPS) ** MODEL_GROWTH))

@@ -1,0 +1,85 @@
+"""What a finished cell holds, read as its plan says that it must be: the agent's arrays, its trials."""
+
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+
+from visitlab_cli.agents.base import Setting
+from visitlab_cli.agents.declared import RANDOM_STATE, Declared
+from visitlab_cli.errors import VisitlabError
+from visitlab_cli.plan.cells import Cell
+from visitlab_cli.plan.evaluation import AS_DECLARED
+from visitlab_cli.storage.arrays import Arrays, damaged, read_model, read_trials
+from visitlab_cli.storage.cell_folder import MODEL, TRIALS
+from visitlab_cli.wording import printable
+from visitlab_cli.world.lab import paper_lab
+from visitlab_cli.world.tasks import VISIT
+
+
+def unsound(run: Path, cell: Cell) -> tuple[str, str] | None:
+    """What is wrong with what a finished cell holds, as file and problem; None where it is as its plan says."""
+    for name, read in ((MODEL, model_of), (TRIALS, partial(trials_of, as_planned=True))):
+        try:
+            read(run, cell)
+        except VisitlabError as error:
+            place = f"{printable(str(run / cell.path / name))}: "
+            return name, str(error).removeprefix(place).removeprefix("damaged: ").partition("; visitlab runs verify")[0]
+    return None
+
+
+def setting_of(cell: Cell) -> Setting:
+    """Where a cell's agent plays."""
+    settings = cell.settings
+    return Setting(cell.task, *settings.plays.size(paper_lab()), settings.n_steps, cell.config.agents)
+
+
+def declared(cell: Cell) -> dict[str, Declared]:
+    """What each array of a cell's `model.npz` must be."""
+    of_agent = cell.config.agents[cell.agent].arrays(setting_of(cell))
+    if cell.frozen:  # one that does not learn saves its table alone
+        of_agent = {"q": of_agent["q"]}
+    return {**of_agent, "random_state": RANDOM_STATE}
+
+
+def model_of(run: Path, cell: Cell) -> Arrays:
+    """What the agent of a finished cell learned.
+
+    Raises:
+        NotFoundError: it is missing.
+        RunError: it is damaged, or is not what such an agent saves.
+    """
+    file = run / cell.path / MODEL
+    arrays = read_model(file, declared(cell))
+    fault = None if cell.frozen else cell.config.agents[cell.agent].fault(setting_of(cell), arrays)
+    if fault:
+        raise damaged(file, fault)
+    return arrays
+
+
+def modules_of(run: Path, cell: Cell) -> dict[str, Arrays]:
+    """The models of the trained cells that a cell starts from, by their tasks.
+
+    Raises:
+        NotFoundError, RunError: as `model_of`.
+    """
+    found = {}
+    for task, path in cell.modules.items():
+        start = cell.settings.starts[task]
+        trained = replace(cell, path=path, experiment=start.experiment, agent=start.agent, evaluation=AS_DECLARED)
+        found[task] = model_of(run, trained)
+    return found
+
+
+def trials_of(run: Path, cell: Cell, *, as_planned: bool = False) -> Arrays:
+    """The trials of a finished cell: `trial`, `reward`, in a visit `goals`, each of shape (trials,).
+
+    Args:
+        run: the run's folder.
+        cell: a cell of its plan.
+        as_planned: whether there must be as many as planned; a config may have been edited since.
+
+    Raises:
+        NotFoundError: they are missing.
+        RunError: they are damaged, or others than the plan says.
+    """
+    return read_trials(run / cell.path / TRIALS, cell.trials if as_planned else None, cell.task == VISIT)

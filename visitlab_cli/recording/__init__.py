@@ -1,1 +1,0 @@
-"""The log of a cell: schema, MCAP writer and reader."""
