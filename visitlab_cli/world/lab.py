@@ -1,8 +1,8 @@
 """The lab: a grid of cells, its rooms, walls and doors, and how a move ends (TASK.md, 'Grid, headings, movement').
 
-Cells are (row, column), row 0 in the north, column 0 in the west. A unit step may be taken where `passable`
-says so; that one table holds the borders, the walls and the rule for diagonals. A door that is shut puts walls
-back: `doors` says which doors a unit step needs open, one bit a door, and a scene says which ones are.
+Cells are (row, column), row 0 in the north, column 0 in the west. `reach` says how many unit steps may be taken one
+after the other; that one table holds the borders, the walls and the rule for diagonals. A door that is shut puts
+walls back: `doors` says which doors a unit step needs open, one bit a door, and a scene says which ones are.
 """
 
 from collections.abc import Iterable, Sequence
@@ -12,8 +12,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from visitlab_cli.compiled import kernel
-from visitlab_cli.world.enums import N_DIRECTIONS
+from visitlab_cli.compiled import Operation, kernel
+from visitlab_cli.world.enums import MAX_SPEED, N_DIRECTIONS
 
 Cell = tuple[int, int]
 Wall = tuple[Cell, Cell]
@@ -34,16 +34,28 @@ COL_STEPS = np.array([1, 1, 0, -1, -1, -1, 0, 1])
 """Columns that a unit step in each direction goes, shape (8,)."""
 
 
+class NoDoors(NamedTuple):
+    """The doors of a lab without any, a type of its own: where there are none, nothing is compiled that looks."""
+
+    number: int = 0
+
+
+class Doors(NamedTuple):
+    """Doors that can be shut: which of them a unit step needs open, bit i for door i, shape (rows, cols, 8)."""
+
+    number: int
+    needed: npt.NDArray[np.int64]
+
+
 class Lab(NamedTuple):
     """A lab as kernels see it; arrays over cells have the shape (rows, cols), over unit steps (rows, cols, 8)."""
 
     rows: int
     cols: int
     n_rooms: int
-    n_doors: int
     rooms: npt.NDArray[np.int64]  # the room of a cell, 0..n_rooms-1
-    passable: npt.NDArray[np.bool_]  # whether a unit step stays inside and crosses no wall
-    doors: npt.NDArray[np.int64]  # the doors that it needs open, bit i for door i; (0, 0, 0) where there are none
+    reach: npt.NDArray[np.int64]  # unit steps from a cell, at most 3, that stay inside and cross no wall
+    doors: NoDoors | Doors
 
 
 def make_lab(
@@ -70,10 +82,22 @@ def make_lab(
     plan = np.zeros((rows, cols), np.int64) if rooms is None else np.array(rooms, np.int64).reshape(rows, cols)
     passable = ~_crossing(rows, cols, walls)
     passable &= _inside(rows, cols)
-    needed = np.zeros((rows, cols, N_DIRECTIONS) if len(doors) else (0, 0, 0), np.int64)
+    needed = np.zeros((rows, cols, N_DIRECTIONS), np.int64)
     for number, leaves in enumerate(doors):
         needed |= np.where(_crossing(rows, cols, leaves), np.uint64(1 << number), np.uint64(0)).view(np.int64)
-    return Lab(rows, cols, int(plan.max()) + 1, len(doors), plan, passable, needed)
+    shut = Doors(len(doors), needed) if len(doors) else NoDoors()
+    return Lab(rows, cols, int(plan.max()) + 1, plan, _reach(passable), shut)
+
+
+def _reach(passable: npt.NDArray[np.bool_]) -> npt.NDArray[np.int64]:
+    """How many unit steps in each direction are free one after the other, at most as many as a move has."""
+    reach = np.zeros(passable.shape, np.int64)
+    for _ in range(MAX_SPEED):  # one more than the cell ahead has
+        ahead = np.zeros_like(reach)
+        for row, col, direction in np.argwhere(passable):
+            ahead[row, col, direction] = reach[row + ROW_STEPS[direction], col + COL_STEPS[direction], direction]
+        reach = np.where(passable, np.minimum(ahead + 1, MAX_SPEED), 0)
+    return reach
 
 
 def _inside(rows: int, cols: int) -> npt.NDArray[np.bool_]:
@@ -117,17 +141,33 @@ def paper_lab() -> Lab:
     return make_lab(LAB_SIZE, LAB_SIZE, rooms=rows[:, None] * ROOMS_PER_SIDE + rows[None, :])
 
 
+def _before_shut(doors, row, col, direction, steps, open_doors):  # type: ignore[no-untyped-def]
+    """How many of `steps` unit steps end before a door that is shut."""
+
+
+BEFORE_SHUT = Operation(_before_shut)
+before_shut = BEFORE_SHUT.function
+
+
+@BEFORE_SHUT.of(NoDoors)
+def _all(doors: NoDoors, row: int, col: int, direction: int, steps: int, open_doors: int) -> int:
+    return steps
+
+
+@BEFORE_SHUT.of(Doors)
+def _looking(doors: Doors, row: int, col: int, direction: int, steps: int, open_doors: int) -> int:
+    for step in range(steps):
+        if doors.needed[row + step * ROW_STEPS[direction], col + step * COL_STEPS[direction], direction] & ~open_doors:
+            return step
+    return steps
+
+
 @kernel
 def move(lab: Lab, row: int, col: int, direction: int, speed: int, open_doors: int) -> Cell:
     """Where `speed` unit steps in `direction` end; the first that is not free ends the move, without sliding.
 
     `open_doors` has a bit for each door that is open.
     """
-    for _ in range(speed):
-        if not lab.passable[row, col, direction]:
-            break
-        if lab.n_doors > 0 and lab.doors[row, col, direction] & ~open_doors != 0:
-            break
-        row += ROW_STEPS[direction]
-        col += COL_STEPS[direction]
-    return row, col
+    steps = min(speed, lab.reach[row, col, direction])
+    steps = before_shut(lab.doors, row, col, direction, steps, open_doors)
+    return row + steps * ROW_STEPS[direction], col + steps * COL_STEPS[direction]
