@@ -16,6 +16,7 @@ DECIDES_NOTHING = {
     "stopping.py",
     "terminal.py",
     "whole_file.py",
+    "wording.py",
 }
 WAY = "visitlab_cli.config.loading", "visitlab_cli.execution.warm_up", "visitlab_cli.execution.cell_runner"
 

@@ -74,6 +74,6 @@ def test_the_run_says_which_cell_hangs(count, tmp_path, monkeypatch):
     monkeypatch.setattr(workers, "_run_in_slot", hangs)
     console = Console(file=io.StringIO(), width=200, soft_wrap=True)
     assert run_cells(tmp_path, [CELL, OTHER], count, Progress(quiet=True, console=console)) == {}
-    (line,) = console.file.getvalue().splitlines()
-    assert line.startswith(f"{OTHER.path}: no block of 8,192 steps for ")
+    lines = console.file.getvalue().splitlines()  # on a machine under load the other cell may be told, too
+    (line,) = (line for line in lines if line.startswith(f"{OTHER.path}: no block of 8,192 steps for "))
     assert "1 of 1,200 steps are done; does it hang? (worker " in line

@@ -6,9 +6,9 @@ import matplotlib
 import pytest
 
 from tests.program import visitlab
-from visitlab_cli.commands.figures import strip
 from visitlab_cli.errors import RunError
 from visitlab_cli.figures.making import NAMES, make_figures
+from visitlab_cli.replay.strip import strip
 
 PAPER = [name for name in NAMES if name != "grid"]
 

@@ -108,7 +108,9 @@ MUTATIONS: list[Mutation] = [
         "np.floor(turns * HUNDREDTHS)",
         "go_to_human",
     ),
-    Mutation("moves one cell too far", "world/lab.py", "range(speed):", "range(speed + 1):", "navigation"),
+    Mutation(
+        "moves one cell too far", "world/lab.py", "min(speed, lab.reach", "min(speed + 1, lab.reach", "navigation"
+    ),
     Mutation(
         "a move does not turn",
         "world/robot.py",
