@@ -117,3 +117,11 @@ def test_commands_load_nothing_heavy():
                     "stopping",
                     "terminal",
                 }, (file, name)
+
+
+def test_the_page_names_every_room():
+    page = (PACKAGE.parent / "docs" / "architecture.md").read_text()
+    table = page[page.index("| room | job |") : page.index("## Three paths")]
+    rows = (line.split("|")[1] for line in table.splitlines()[2:] if line.startswith("|"))
+    told = {name.strip("`/ ").split("/")[0] for row in rows for name in row.split(",")}
+    assert told == set(FLOOR) - {"__init__", "__main__"}
