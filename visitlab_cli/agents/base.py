@@ -42,6 +42,15 @@ class AgentParameters(Settings):
     """Fields that name another declared agent, with the kinds that this one may have (none given: any
     that refers to no other)."""
 
+    @property
+    def watched_steps(self) -> int:
+        """The steps at its beginning in which it watches another agent and does not act itself."""
+        return 0
+
+    def learner_among(self, agents: "Mapping[str, AgentParameters]") -> "AgentParameters":
+        """Those of the declared agents by whose parameters its table is learned while it is trained: its own."""
+        return self
+
     def create(self, setting: "Setting") -> Any:
         """A new agent's record for `setting`."""
         raise NotImplementedError

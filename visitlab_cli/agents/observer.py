@@ -38,6 +38,15 @@ class ObserverParameters(AgentParameters):
     until: int = Field(ge=0, le=10**12, description="steps that it watches; they count as steps of the experiment")
     acts_as: str = Field(description="the q_learning agent whose parameters it acts and learns with alone")
 
+    @property
+    def watched_steps(self) -> int:
+        """As declared."""
+        return self.until
+
+    def learner_among(self, agents: Mapping[str, AgentParameters]) -> AgentParameters:
+        """The learner's, by which it begins."""
+        return agents[self.learner]
+
     def create(self, setting: Setting) -> Observer:
         """A new watched agent beside a new table."""
         learner, acting = self._q_learners(setting)

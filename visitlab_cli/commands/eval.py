@@ -59,7 +59,6 @@ def command(
     from visitlab_cli.plan.evaluation import Evaluation
     from visitlab_cli.storage.run_folder import find_run, read_config
     from visitlab_cli.wording import or_else, printable
-    from visitlab_cli.world.tasks import VISIT
 
     check_options(matrix=matrix, frozen=frozen, picture=picture)
     folder = find_run(run, out)
@@ -70,7 +69,7 @@ def command(
             raise UsageError(
                 f"--human {printable(name)}: the run's config declares no such human{or_else(name, humans)}"
             )
-    visits = [name for name, each in config.experiments.items() if each.task == VISIT]
+    visits = [name for name, each in config.experiments.items() if each.assembled]
     if not visits:
         raise UsageError(f"{folder}: its config declares no visit")
     if experiment and experiment not in visits:
@@ -95,10 +94,9 @@ def _check_trained(folder: Path, config: "Config", cells: "Sequence[Cell]") -> N
     from visitlab_cli.plan.cells import plan
     from visitlab_cli.storage.cell_folder import read_cell
     from visitlab_cli.storage.run_folder import CONFIG
-    from visitlab_cli.world.tasks import VISIT
 
     needed = {path for cell in missing_cells(folder, cells) for path in cell.modules.values()}
-    untrained = missing_cells(folder, [c for c in plan(config) if c.task != VISIT and c.path in needed])
+    untrained = missing_cells(folder, [c for c in plan(config) if not c.settings.assembled and c.path in needed])
     if untrained:
         command = f"visitlab train {folder}/config.yaml --out {folder.parent}"
         raise RunError(f"{folder}: not trained yet: {untrained[0].path}; train it with {command}")

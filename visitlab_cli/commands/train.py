@@ -52,6 +52,5 @@ def command(
 
 def _trainings(config: "AnyConfig") -> "list[Cell]":
     from visitlab_cli.plan.cells import plan
-    from visitlab_cli.world.tasks import VISIT
 
-    return [cell for cell in plan(config) if cell.task != VISIT]
+    return [cell for cell in plan(config) if not cell.settings.assembled]

@@ -1,7 +1,7 @@
 """What an experiment is to those who plan, run and tell of it: they ask it, and nobody asks of which kind it is."""
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, NamedTuple, Self
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
 
 from visitlab_cli.agents.base import AgentParameters, Saved, Setting
 from visitlab_cli.agents.exploration import Table
@@ -27,6 +27,9 @@ class Site(NamedTuple):
 class Experiment(Settings):
     """An experiment of a config; a subclass adds `task`, a Literal, its settings, and what differs from this."""
 
+    planning_options: ClassVar[tuple[str, ...]] = ()
+    """Settings that mean something only where the agent that acts plans."""
+
     task: str
     if TYPE_CHECKING:  # a field of each, in its own place and with its own default
         trial_steps: int
@@ -39,7 +42,12 @@ class Experiment(Settings):
     @property
     def assembled(self) -> bool:
         """Whether trained modules act as one in it, so that it trains no agents of its own."""
-        return MODULES in self.plays.parts
+        return self.plays.has(MODULES)
+
+    @property
+    def counted_in(self) -> str:
+        """What its length is declared in, `steps` or `trials`, and so its curves are over."""
+        return "steps"
 
     @property
     def n_steps(self) -> int:

@@ -190,7 +190,6 @@ class Visit(Experiment):
     """The global task (paper, Fig. 5): the three modules together lead a human through goal rooms."""
 
     planning_options: ClassVar[tuple[str, ...]] = ("plan_every", "planner_rewards")
-    """Settings that mean something only where the social module plans."""
 
     task: Literal["visit"]
     modules: Modules = Field(description="which trained modules play")
@@ -220,6 +219,11 @@ class Visit(Experiment):
     social_reward: Literal["social", "none"] = Field(
         default="social", description="what the social module learns from during the visit"
     )
+
+    @property
+    def counted_in(self) -> str:
+        """Trials, in which a visit tells all."""
+        return "trials"
 
     @property
     def n_steps(self) -> int:

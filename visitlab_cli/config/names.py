@@ -31,6 +31,11 @@ class Module(NamedTuple):
     agent: str
     human: str | None = None
 
+    @property
+    def text(self) -> str:
+        """As a config refers to it."""
+        return "/".join(filter(None, self))
+
 
 def module(text: str) -> Module:
     """The parts of `experiment/agent` or `experiment/agent/human` (already known to be one of the two)."""

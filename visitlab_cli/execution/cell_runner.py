@@ -24,7 +24,6 @@ from visitlab_cli.sources import sources
 from visitlab_cli.storage.arrays import write_model, write_trials
 from visitlab_cli.storage.cell_folder import MODEL, SOURCES, STEPS, TRIALS, NewCell
 from visitlab_cli.world.columns import StepColumns, empty_columns
-from visitlab_cli.world.tasks import VISIT
 
 Report = Callable[[int], None]
 """Told after each block how many steps of the cell are done; raises `Interrupted` to stop it."""
@@ -55,7 +54,7 @@ def run_cell(run: Path, cell: Cell, report: Report) -> None:
                 report(steps)
 
             trial_rewards, playing = simulate(simulation, random, record, alive)
-        write_trials(new.folder / TRIALS, trial_rewards, with_goals=cell.task == VISIT)
+        write_trials(new.folder / TRIALS, trial_rewards, with_goals=cell.settings.plays.counts_goals)
         write_model(new.folder / MODEL, saved_model(simulation, random))
         seconds = time.perf_counter() - started
         new.commit(facts_of(cell, trial_rewards), _timing(start, seconds, cell.steps / playing))

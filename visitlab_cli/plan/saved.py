@@ -13,7 +13,6 @@ from visitlab_cli.storage.arrays import Arrays, damaged, read_model, read_trials
 from visitlab_cli.storage.cell_folder import MODEL, TRIALS
 from visitlab_cli.wording import printable
 from visitlab_cli.world.lab import paper_lab
-from visitlab_cli.world.tasks import VISIT
 
 
 def unsound(run: Path, cell: Cell) -> tuple[str, str] | None:
@@ -82,4 +81,4 @@ def trials_of(run: Path, cell: Cell, *, as_planned: bool = False) -> Arrays:
         NotFoundError: they are missing.
         RunError: they are damaged, or others than the plan says.
     """
-    return read_trials(run / cell.path / TRIALS, cell.trials if as_planned else None, cell.task == VISIT)
+    return read_trials(run / cell.path / TRIALS, cell.trials if as_planned else None, cell.settings.plays.counts_goals)

@@ -17,7 +17,6 @@ from visitlab_cli.storage.cell_folder import STEPS, TRIALS, read_cell, reason
 from visitlab_cli.storage.run_folder import find_run, read_config
 from visitlab_cli.wording import few, printable
 from visitlab_cli.world.enums import InteractionLevel
-from visitlab_cli.world.tasks import VISIT
 
 Numbers = npt.NDArray[np.int64]
 Rewards = npt.NDArray[np.float64]
@@ -99,7 +98,7 @@ def find_logs(word: str, out: Path, selection: Selection) -> Logs:
 def _wanted(run: Path, selection: Selection) -> list[Cell]:
     """The cells of the run's plan that match; without an experiment only its visits, if it has any."""
     matching = selection.of(run, plan(read_config(run)))
-    visits = [cell for cell in matching if cell.task == VISIT]
+    visits = [cell for cell in matching if cell.settings.assembled]
     return visits if visits and not selection.experiment else matching
 
 

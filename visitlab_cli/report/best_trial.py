@@ -39,7 +39,7 @@ def best_trials(run: Path, groups: Sequence[Group]) -> list[dict[str, Any]]:
     found: list[dict[str, Any]] = []
     varied = varying(group.point for group in groups)
     for group in groups:
-        if len(found) < MOST_TRIALS and group.cells[0].task == VISIT:
+        if len(found) < MOST_TRIALS and group.cells[0].settings.assembled:
             found += _best_of(run, group, varied)
     return found
 

@@ -3,8 +3,7 @@
 from collections.abc import Sequence
 from typing import Any
 
-from visitlab_cli.config.experiments import Visit
-from visitlab_cli.config.names import module
+from visitlab_cli.config.names import Module
 from visitlab_cli.results.groups import Group
 from visitlab_cli.results.summary import Summary
 from visitlab_cli.results.varying import NOTHING, Varying, varying
@@ -30,10 +29,8 @@ class Choices:
     def of(self, group: Group) -> Of:
         """What a group is of."""
         settings = group.cells[0].settings
-        if isinstance(settings, Visit):
-            modules = ["/".join(filter(None, module(name))) for name in settings.modules.model_dump().values()]
-        else:
-            modules = ["/".join(filter(None, (group.experiment, group.agent, group.human)))]
+        itself = Module(group.experiment, group.agent, group.human)
+        modules = [each.text for each in (settings.starts.values() if settings.assembled else (itself,))]
         found: Of = {TASK: [group.cells[0].task], EXPERIMENT: [group.experiment], MODULE: modules}
         found |= {AGENT: [group.agent], HUMAN: [group.human] if group.human else []}
         return found | {head: [value] for head, value in self.settings(group).items() if value != NOTHING}

@@ -8,14 +8,13 @@ import numpy as np
 import numpy.typing as npt
 
 from visitlab_cli.colours import Look, looks_of
-from visitlab_cli.config.experiments import Visit
+from visitlab_cli.config.experiment import Experiment
 from visitlab_cli.exact.values import Possible, possible
 from visitlab_cli.plan.cells import Cell
 from visitlab_cli.results.curves import curve_of
 from visitlab_cli.results.groups import Group
 from visitlab_cli.results.varying import names_within, varying
 from visitlab_cli.storage.cell_folder import read_cell
-from visitlab_cli.world.tasks import VISIT
 
 MOST_POINTS = 100
 """Of a curve."""
@@ -107,7 +106,7 @@ def _together(groups: Sequence[Group]) -> list[list[Group]]:
         experiments.setdefault(group.experiment, []).append(group)
     alike: dict[object, list[list[Group]]] = {}
     for name, members in experiments.items():
-        lengths = frozenset((each.trials, each.trial_steps) for each in _visits(members))
+        lengths = frozenset((each.n_trials, each.trial_steps) for each in _visits(members))
         alike.setdefault(lengths or name, []).append(members)
     charts: list[list[Group]] = []
     for several in alike.values():
@@ -116,8 +115,8 @@ def _together(groups: Sequence[Group]) -> list[list[Group]]:
     return charts
 
 
-def _visits(groups: Sequence[Group]) -> list[Visit]:
-    return [settings for group in groups if isinstance(settings := group.cells[0].settings, Visit)]
+def _visits(groups: Sequence[Group]) -> list[Experiment]:
+    return [settings for group in groups if (settings := group.cells[0].settings).assembled]
 
 
 def bounds_of(groups: Sequence[Group]) -> Possible | None:
@@ -129,8 +128,7 @@ def bounds_of(groups: Sequence[Group]) -> Possible | None:
 
 def _chart(groups: Sequence[Group], curves: list[Curve]) -> Chart:
     title = ", ".join(dict.fromkeys(group.experiment for group in groups))
-    x = "trials" if groups[0].cells[0].task == VISIT else "steps"
-    return Chart(title, x, groups[0].measure, bounds_of(groups), curves)
+    return Chart(title, groups[0].cells[0].settings.counted_in, groups[0].measure, bounds_of(groups), curves)
 
 
 def _done(run: Path, group: Group) -> list[Cell]:

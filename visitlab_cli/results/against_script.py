@@ -5,7 +5,6 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from visitlab_cli.config.experiments import Visit
 from visitlab_cli.results.estimates import Estimate, mean_of
 from visitlab_cli.results.groups import Group
 from visitlab_cli.results.seeds import seed_values
@@ -13,7 +12,7 @@ from visitlab_cli.world.tasks import SOCIAL
 
 SCRIPTED = "scripted"
 """The kind of agent."""
-OF_THE_AGENT = {"agents", "humans", "steps", "trials", "start_from", "models", *Visit.planning_options}
+OF_THE_AGENT = {"agents", "humans", "steps", "trials", "start_from", "models", "modules"}
 """Settings of an experiment that say who plays, how long and how it learns: the script does the same throughout."""
 
 
@@ -60,9 +59,8 @@ def _scripted(group: Group) -> bool:
 def _circumstances(group: Group) -> str:
     """All that is the same for whoever acts, as text."""
     cell = group.cells[0]
-    parts = cell.settings.model_dump(mode="json", exclude=OF_THE_AGENT)
-    if isinstance(cell.settings, Visit):
-        parts["modules"] = dict(_others(group))
+    parts = cell.settings.model_dump(mode="json", exclude={*OF_THE_AGENT, *cell.settings.planning_options})
+    parts["modules"] = dict(_others(group))
     human = cell.config.humans[group.human].model_dump(mode="json") if group.human else None
     rules = cell.config.interaction.model_dump(mode="json")
     return json.dumps([parts, group.human, human, rules], sort_keys=True)

@@ -16,7 +16,6 @@ from visitlab_cli.plan.saved import trials_of
 from visitlab_cli.results.estimates import half_width
 from visitlab_cli.results.units import Units, by_unit
 from visitlab_cli.storage.cell_folder import TRIALS
-from visitlab_cli.world.tasks import VISIT
 
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
@@ -86,7 +85,8 @@ def curve_of(run: Path, cells: Sequence[Cell], edges: Integers) -> Curve:
         unit: np.array([in_batches(_rewards(run, cell, edges[-1]), edges) for cell in members])
         for unit, members in by_unit(cells).items()
     }
-    return Curve(edges, units, 1 if cells[0].task == VISIT else cells[0].settings.trial_steps)
+    settings = cells[0].settings
+    return Curve(edges, units, 1 if settings.counted_in == "trials" else settings.trial_steps)
 
 
 def _rewards(run: Path, cell: Cell, trials: int) -> Floats:

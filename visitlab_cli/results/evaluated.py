@@ -3,7 +3,6 @@
 from collections.abc import Iterator
 from pathlib import Path
 
-from visitlab_cli.config.experiments import Visit
 from visitlab_cli.config.model import Config
 from visitlab_cli.config.names import module
 from visitlab_cli.plan.cells import Cell, plan
@@ -35,7 +34,7 @@ def _declared(config: Config, options: Evaluation) -> bool:
         social = module(options.social)
         names.add(social.human or "")
         training = config.experiments.get(social.experiment)
-        if training is None or isinstance(training, Visit) or social.agent not in training.agents:
+        if training is None or social.agent not in training.trained:
             return False
         if social.human is not None and social.human not in training.met:
             return False

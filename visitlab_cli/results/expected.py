@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from statistics import fmean
 from typing import Any
@@ -13,7 +14,6 @@ from visitlab_cli.plan.saved import trials_of
 from visitlab_cli.results.groups import Measure, Point, groups_of, reached, unit_values
 from visitlab_cli.storage.cell_folder import read_cell
 from visitlab_cli.wording import or_else
-from visitlab_cli.world.tasks import VISIT
 
 
 @dataclass(frozen=True)
@@ -56,19 +56,18 @@ class Result:
         }
 
 
-MEASURES = {
-    True: ("mean_reward_last_tenth", "goals a trial, last tenth"),
-    False: ("mean_reward_last_hundredth", "reward a trial, last 1%"),
-}
+SETTLED = {True: ("mean_reward_last_tenth", "last tenth"), False: ("mean_reward_last_hundredth", "last 1%")}
+"""What of a cell is expected, by whether its task counts goals: as `cell.json` calls it, and in words."""
 
 
 def _measured(cells: Sequence[Cell], trials: Sequence[int] | None) -> tuple[str, Measure]:
     """What is measured of these cells, and how in each; `trials` are the first and last, from 1."""
+    task = cells[0].settings.plays
     if cells[0].frozen and trials is None:
-        return "goals a trial, all trials", reached
-    key, measure = MEASURES[cells[0].task == VISIT]
+        return f"{task.measure}, all trials", reached
+    key, part = SETTLED[task.counts_goals]
     if trials is None:
-        return measure, lambda run, cell: facts[key] if (facts := read_cell(run / cell.path)) is not None else None
+        return f"{task.measure}, {part}", partial(_fact, key=key)
     first, last = trials
 
     def between(run: Path, cell: Cell) -> float | None:
@@ -77,7 +76,12 @@ def _measured(cells: Sequence[Cell], trials: Sequence[int] | None) -> tuple[str,
         part = trials_of(run, cell)["reward"][first - 1 : last]
         return float(part.mean()) if len(part) else None
 
-    return f"{measure.partition(',')[0]}, {first} to {last}", between
+    return f"{task.measure}, {first} to {last}", between
+
+
+def _fact(run: Path, cell: Cell, *, key: str) -> float | None:
+    facts = read_cell(run / cell.path)
+    return None if facts is None else facts[key]
 
 
 def check_expected(config: Config, cells: Sequence[Cell]) -> None:

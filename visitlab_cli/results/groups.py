@@ -10,7 +10,6 @@ from visitlab_cli.plan.evaluation import Evaluation
 from visitlab_cli.plan.saved import trials_of
 from visitlab_cli.results.units import by_unit
 from visitlab_cli.storage.cell_folder import read_cell
-from visitlab_cli.world.tasks import VISIT
 
 Point = tuple[tuple[str, str], ...]
 """The values of a point of the grid by their paths, as far as they matter to a cell, in words."""
@@ -34,7 +33,7 @@ class Group(NamedTuple):
     @property
     def measure(self) -> str:
         """What a trial's reward is."""
-        return "goals a trial" if self.cells[0].task == VISIT else "reward a trial"
+        return self.cells[0].settings.plays.measure
 
     @property
     def part(self) -> str:

@@ -10,15 +10,14 @@ from itertools import product
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from visitlab_cli.config.experiments import SocialTraining, Visit
 from visitlab_cli.config.model import Config
-from visitlab_cli.config.names import module
 from visitlab_cli.plan.cells import Cell, plan
 from visitlab_cli.plan.evaluation import AS_DECLARED, Evaluation
 from visitlab_cli.results.estimates import Estimate, mean_of
 from visitlab_cli.results.groups import unit_values
 from visitlab_cli.results.units import Units, in_words
 from visitlab_cli.storage.cell_folder import read_cell
+from visitlab_cli.world.tasks import SOCIAL
 
 FROZEN, ADAPTING = "frozen", "adapting"
 MODES = (FROZEN, ADAPTING)
@@ -100,14 +99,12 @@ def plan_matrix(config: Config, visit: str, humans: Sequence[str] = (), trials: 
         trials: of each visit; None for as many as it has.
     """
     settings = config.experiments[visit]
-    assert isinstance(settings, Visit)
-    own = module(settings.modules.social)
+    own = settings.starts[SOCIAL]
     training = config.experiments[own.experiment]
-    assert isinstance(training, SocialTraining)
     planned: Planned = {}
-    for trained, met, mode in product(training.humans, humans or config.humans, MODES):
+    for trained, met, mode in product(training.met, humans or config.humans, MODES):
         social = "" if trained == own.human else "/".join((own.experiment, own.agent, trained))
-        as_declared = not social and met in settings.humans and mode == ADAPTING and trials in (None, settings.trials)
+        as_declared = not social and met in settings.met and mode == ADAPTING and trials in (None, settings.n_trials)
         options = AS_DECLARED if as_declared else Evaluation((met,), trials, mode == FROZEN, social)
         cells = plan(config, options)
         planned[Pairing(trained, met, mode)] = [c for c in cells if (c.experiment, c.human) == (visit, met)]
@@ -121,11 +118,9 @@ def matrix_of(run: Path, planned: Mapping[Pairing, Sequence[Cell]]) -> Matrix:
         RunError: a table of trials is damaged.
     """
     some = next(iter(planned.values()))[0]
-    settings = some.settings
-    assert isinstance(settings, Visit)
-    social = module(settings.modules.social)
+    social = some.settings.starts[SOCIAL]
     goals = {pairing: _goals(run, cells) for pairing, cells in planned.items()}
-    return Matrix(some.experiment, f"{social.experiment}/{social.agent}", settings.trials, goals)
+    return Matrix(some.experiment, f"{social.experiment}/{social.agent}", some.trials, goals)
 
 
 def _goals(run: Path, cells: Sequence[Cell]) -> Goals:

@@ -12,14 +12,13 @@ from pathlib import Path
 from statistics import fmean
 from typing import Any, NamedTuple
 
-from visitlab_cli.config.experiments import Visit
-from visitlab_cli.config.names import module
 from visitlab_cli.errors import NotFoundError, UsageError
 from visitlab_cli.plan.cells import Cell
 from visitlab_cli.results.estimates import Estimate, difference_of, mean_of, probability_of_improvement
 from visitlab_cli.results.groups import Group, Point, groups_of, unit_values
 from visitlab_cli.settings import as_yaml
 from visitlab_cli.wording import or_else
+from visitlab_cli.world.tasks import SOCIAL
 
 AGENT, HUMAN = "agent", "human"
 Values = dict[str, float]
@@ -164,10 +163,9 @@ def _member(run: Path, group: Group, key: str) -> _Member | None:
     told_of_agent = key != AGENT and not _chooses_social(key, group)
     where = [word for word, told in ((group.agent, told_of_agent), (group.human, key != HUMAN)) if word and told]
     settings, experiment = group.cells[0].settings, group.experiment
-    if key == AGENT and isinstance(settings, Visit):
-        anyone = module(settings.modules.social)._replace(agent="*")
-        modules = settings.modules.model_copy(update={"social": "/".join(filter(None, anyone))})
-        experiment = json.dumps(as_yaml(settings.model_copy(update={"modules": modules, "humans": ()})))
+    if key == AGENT and settings.assembled:
+        of_anyone = settings.evaluated(None, settings.starts[SOCIAL]._replace(agent="*").text)
+        experiment = json.dumps(as_yaml(of_anyone.model_copy(update={"humans": ()})))
     own = {path for path in point if path == key or _belongs(path, group, key)}
     return _Member(group, value, " ".join([experiment, *where]), where, point, own, reached)
 
@@ -225,7 +223,7 @@ def _belongs(path: str, group: Group, key: str) -> bool:
 def _chooses_social(path: str, group: Group) -> bool:
     """Whether a visit's social module, and with it its agent, is what varies at a path."""
     modules = f"experiments.{group.experiment}.modules"
-    return isinstance(group.cells[0].settings, Visit) and path in (modules, f"{modules}.social")
+    return group.cells[0].settings.assembled and path in (modules, f"{modules}.social")
 
 
 def _pair(place: _Place, groups: tuple[Group, Group], ours: Values, theirs: Values, *, same_luck: bool) -> Pair:

@@ -40,13 +40,24 @@ class Rooms(Protocol):
 class Task:
     """A task: its `name`, the `parts` that there are in it (`columns.py`), and its tables' sizes.
 
-    `n_states` is the number of states in any lab, or None where a state is a goal room and a cell.
+    `n_states` is the number of states in any lab, or None where a state is a goal room and a cell. `counts_goals`
+    says that its reward counts goals reached, each of which gives way to another.
     """
 
     name: str
     parts: tuple[str, ...]
     n_states: int | None
     n_actions: int
+    counts_goals: bool = False
+
+    def has(self, part: str) -> bool:
+        """Whether there is such a part in it."""
+        return part in self.parts
+
+    @property
+    def measure(self) -> str:
+        """What the reward of a trial is."""
+        return "goals a trial" if self.counts_goals else "reward a trial"
 
     @property
     def columns(self) -> tuple[Column, ...]:
@@ -68,7 +79,7 @@ TASKS = {
         Task(NAVIGATION, (ALWAYS, GOAL), None, N_PHYSICAL_ACTIONS),
         Task(GO_TO_HUMAN, (ALWAYS, HUMAN), _TOWARDS_HUMAN, N_PHYSICAL_ACTIONS),
         Task(SOCIAL, (ALWAYS, HUMAN, ENGAGEMENT), _SOCIAL, N_SOCIAL_ACTIONS),
-        Task(VISIT, (ALWAYS, HUMAN, ENGAGEMENT, GOAL, MODULES), _SOCIAL, N_SOCIAL_ACTIONS),
+        Task(VISIT, (ALWAYS, HUMAN, ENGAGEMENT, GOAL, MODULES), _SOCIAL, N_SOCIAL_ACTIONS, counts_goals=True),
     )
 }
 """By name, in the order of the paper."""

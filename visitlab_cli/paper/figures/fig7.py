@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from visitlab_cli.agents.observer import ObserverParameters
 from visitlab_cli.exact.navigation import navigation_optimal_q
 from visitlab_cli.paper.figures.source import Floats, Group, Source
 from visitlab_cli.pictures.drawing import Drawing
@@ -103,9 +102,7 @@ def _draw(groups: Sequence[Group]) -> "Figure":
 def gamma_of(group: Group) -> float:
     """The discount factor that a group's table was learned with."""
     cell = group.cells[0]
-    parameters = cell.config.agents[cell.agent]
-    if isinstance(parameters, ObserverParameters):
-        parameters = cell.config.agents[parameters.learner]
+    parameters = cell.config.agents[cell.agent].learner_among(cell.config.agents)
     return float(getattr(parameters, "gamma", GAMMA))
 
 

@@ -3,8 +3,6 @@
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from visitlab_cli.agents.observer import ObserverParameters
-from visitlab_cli.config.experiments import Visit
 from visitlab_cli.exact.values import possible
 from visitlab_cli.paper.figures.designs import Condition, Design
 from visitlab_cli.paper.figures.panel import CHANCE, OPTIMUM, Line, Panel, Reference
@@ -64,8 +62,7 @@ def panel_of(source: Source, design: Design, *, even_so: bool = False) -> Panel 
     found = [(each.condition, each.group) for each in shown]
     cell = found[0][1].cells[0]
     settings = cell.settings
-    visit = settings.assembled
-    end = settings.n_trials if visit else settings.n_steps
+    end = settings.n_trials if settings.counted_in == "trials" else settings.n_steps
     x_unit, x_label = x_of(cell, end)
     published = {curve.condition: curve for curve in published_curves() if curve.figure == design.published}
     marks = [trial * settings.trial_steps for _, group in found if (trial := watched_trials(group))]
@@ -90,30 +87,28 @@ def panel_of(source: Source, design: Design, *, even_so: bool = False) -> Panel 
 
 def x_of(cell: Cell, end: float) -> tuple[int, str]:
     """In which unit the trials of a visit, or the steps of a training, are told up to `end`; and what they are."""
-    if isinstance(cell.settings, Visit):
+    if cell.settings.counted_in == "trials":
         return 1, "trial"
     return (MILLION, "step of training (millions)") if end >= MILLION else (THOUSAND, "step of training (thousands)")
 
 
 def measure_of(cell: Cell) -> str:
     """What a learning curve shows."""
-    measure = "goal rooms in a trial" if isinstance(cell.settings, Visit) else "reward of a trial"
+    measure = "goal rooms in a trial" if cell.settings.plays.counts_goals else "reward of a trial"
     return f"{measure} of {cell.settings.trial_steps} steps"
 
 
 def watched_trials(group: Group) -> int:
     """How many trials an observer only watched: it is seen acting from then on. 0 for other agents."""
     cell = group.cells[0]
-    parameters = cell.config.agents.get(cell.agent)
-    if not isinstance(parameters, ObserverParameters) or isinstance(cell.settings, Visit):
-        return 0
-    return parameters.until // cell.settings.trial_steps if parameters.until < cell.steps else 0
+    watched = 0 if cell.settings.assembled else cell.config.agents[cell.agent].watched_steps
+    return watched // cell.settings.trial_steps if watched < cell.steps else 0
 
 
 def _line(shown: Shown, published: PublishedCurve, *, even_so: bool) -> Line:
     condition, group, reason = shown
     cell = group.cells[0]
-    batches = VISIT_BATCHES if isinstance(cell.settings, Visit) else BATCHES
+    batches = VISIT_BATCHES if cell.settings.assembled else BATCHES
     edges = equal_edges(cell.trials, batches, watched_trials(group))
     ours = curve_of(group.run, group.cells, edges)
     beside = published if even_so or not reason else None
@@ -123,7 +118,7 @@ def _line(shown: Shown, published: PublishedCurve, *, even_so: bool) -> Line:
 def _name(condition: Condition, cell: Cell) -> str:
     """What a curve is called: as published, and as the run has it where that is another name."""
     own = [name for name in (cell.agent, cell.human) if name and name not in condition.group.split("/")]
-    unusual = own if not isinstance(cell.settings, Visit) else [name for name in own if name == cell.human]
+    unusual = own if not cell.settings.assembled else [name for name in own if name == cell.human]
     return f"{condition.name} ({', '.join(unusual)})" if unusual else condition.name
 
 

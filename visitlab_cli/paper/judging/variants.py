@@ -10,14 +10,13 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from visitlab_cli.config.experiments import SocialTraining, Training, Visit
 from visitlab_cli.config.model import Config
-from visitlab_cli.config.names import Module, module
+from visitlab_cli.config.names import Module
 from visitlab_cli.errors import RunError
 from visitlab_cli.plan.cells import Cell, plan
 from visitlab_cli.settings import Settings, as_yaml, key_of
 from visitlab_cli.storage.run_folder import all_runs, read_config
-from visitlab_cli.world.tasks import NAVIGATION
+from visitlab_cli.world.columns import HUMAN
 
 Flat = dict[str, Any]
 NOT_DECIDING = {"agents", "humans", "modules", "trials", "steps"}
@@ -69,30 +68,29 @@ def changes(cell: Cell, other: Cell) -> list[str] | None:
 def deciding(cell: Cell) -> Flat:
     """Every setting that decides a curve, by a dotted path that says what it is."""
     config, settings = cell.config, cell.settings
-    if not isinstance(settings, Visit):
+    if not settings.assembled:
         names = Module(cell.experiment, cell.agent, cell.human)
-        return _training(config, names, NOT_DECIDING) | _distances(config, cell.task)
+        return _training(config, names, NOT_DECIDING) | _distances(cell)
     found = _settings("visit", settings, NOT_DECIDING)
     found |= _settings("human", config.humans[cell.human])
-    found |= _distances(config, cell.task)
-    for task, name in settings.modules.model_dump().items():
-        training = _training(config, module(name), NOT_DECIDING - {"steps"})
-        found |= {f"{task}.name": name} | {f"{task}.{path}": value for path, value in training.items()}
+    found |= _distances(cell)
+    for task, module in settings.starts.items():
+        training = _training(config, module, NOT_DECIDING - {"steps"})
+        found |= {f"{task}.name": module.text} | {f"{task}.{path}": value for path, value in training.items()}
     return found
 
 
 def _training(config: Config, names: Module, without: Set[str]) -> Flat:
     settings = config.experiments[names.experiment]
-    assert isinstance(settings, Training)
     found = _settings("training", settings, without)
     agent = config.agents[names.agent]
     found |= _settings("agent", agent, {key_of(type(agent), role) for role in agent.references})
     for role in agent.references:
         found |= _settings(f"agent.{role}", config.agents[getattr(agent, role)])
-    if isinstance(settings, SocialTraining) and names.human:
+    if names.human:
         found |= _settings("human", config.humans[names.human])
-    if isinstance(settings, SocialTraining) and settings.start_from is not None:
-        start = _training(config, module(settings.start_from), NOT_DECIDING - {"steps"})
+    for module in settings.starts.values():
+        start = _training(config, module, NOT_DECIDING - {"steps"})
         found |= {f"start.{path}": value for path, value in start.items()}
     return found
 
@@ -101,8 +99,9 @@ def _settings(path: str, settings: Settings, without: Set[str] = frozenset()) ->
     return _flat(path, {key: value for key, value in as_yaml(settings).items() if key not in without})
 
 
-def _distances(config: Config, task: str) -> Flat:
-    return {} if task == NAVIGATION else _flat("distances", list(config.interaction.distances))
+def _distances(cell: Cell) -> Flat:
+    """Nothing where there is nobody to be at a distance from."""
+    return _flat("distances", list(cell.config.interaction.distances)) if cell.settings.plays.has(HUMAN) else {}
 
 
 def _flat(path: str, value: Any) -> Flat:

@@ -10,13 +10,13 @@ from collections.abc import Sequence
 from functools import cache
 from typing import Any
 
-from visitlab_cli.config.experiments import Visit
 from visitlab_cli.config.files import shipped_configs
 from visitlab_cli.config.loading import load
 from visitlab_cli.config.model import Config
-from visitlab_cli.config.names import Module, module
+from visitlab_cli.config.names import Module
 from visitlab_cli.paper.judging.variants import Flat, deciding
 from visitlab_cli.plan.cells import Cell, plan
+from visitlab_cli.world.tasks import SOCIAL
 
 PAPER = "paper"
 MOST_TOLD = 3
@@ -54,18 +54,17 @@ def in_words(differences: Sequence[str]) -> str:
 def _place(cell: Cell, path: str) -> str:
     """Where a config has what decides a curve, without its section."""
     head, _, rest = path.partition(".")
-    if isinstance(cell.settings, Visit):
-        if head == "visit":
-            return f"{cell.experiment}.{rest}"
-        if head in type(cell.settings.modules).model_fields:
-            return _place_in(cell.config, module(getattr(cell.settings.modules, head)), rest)
+    if head == "visit":
+        return f"{cell.experiment}.{rest}"
+    if head in cell.settings.starts:
+        return _place_in(cell.config, cell.settings.starts[head], rest)
     return _place_in(cell.config, Module(cell.experiment, cell.agent, cell.human), path)
 
 
 def _place_in(config: Config, names: Module, path: str) -> str:
     head, _, rest = path.partition(".")
     if head == "start":
-        return _place_in(config, module(getattr(config.experiments[names.experiment], "start_from", "")), rest)
+        return _place_in(config, config.experiments[names.experiment].starts[SOCIAL], rest)
     if head == "training":
         return f"{names.experiment}.{rest}"
     if head == "human":
