@@ -10,6 +10,7 @@ from mcap_protobuf.decoder import DecoderFactory
 from tests.program import visitlab
 from visitlab_cli.log.reader import read_trial
 from visitlab_cli.scene.words import GESTURES, captions
+from visitlab_cli.world.lab import paper_lab
 
 CELL = "visit/fast/seed-0000"
 
@@ -28,7 +29,7 @@ def test_a_trial_with_the_words_of_the_replay(tiny_run, tmp_path):
     steps = read_trial(tiny_run / CELL / "steps.mcap", 1)
     path = tmp_path / name
     told = [log.message for log in messages(path, "/caption")]
-    assert told == [f"trial 1, step {row}: {caption}" for row, caption in enumerate(captions(steps))]
+    assert told == [f"trial 1, step {row}: {caption}" for row, caption in enumerate(captions(steps, paper_lab()))]
     assert [step.state for step in messages(path, "/step")] == steps["state"].tolist()
     robots = [entity for scene in messages(path, "/scene") for entity in scene.entities if entity.id == "robot"]
     said = [[text.text for text in robot.texts] for robot in robots]

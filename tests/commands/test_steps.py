@@ -11,6 +11,7 @@ from visitlab_cli.log.reader import read_trial
 from visitlab_cli.log.tables import names_of
 from visitlab_cli.replay.choice import CHOOSE
 from visitlab_cli.scene.words import LEVEL_NAMES, captions, direction_name, room_name
+from visitlab_cli.world.lab import paper_lab
 
 CELL = "visit/fast/seed-0000"
 
@@ -26,9 +27,9 @@ def test_a_line_for_each_step_in_the_words_of_the_replay(tiny_run):
     for row, line in enumerate(rows):
         goal, desired = room_name(steps["goal_room"][row]), direction_name(steps["desired_direction"][row])
         level = LEVEL_NAMES[steps["interaction_level"][row]]
-        words = [str(row), goal, desired, level, f"{steps['reward'][row]:g}", captions(steps)[row]]
+        words = [str(row), goal, desired, level, f"{steps['reward'][row]:g}", captions(steps, paper_lab())[row]]
         assert line.split() == " ".join(words).split()
-        assert line[head.index("what") :] == captions(steps)[row]
+        assert line[head.index("what") :] == captions(steps, paper_lab())[row]
 
 
 def test_json_has_the_values_with_their_names(tiny_run):
@@ -36,7 +37,7 @@ def test_json_has_the_values_with_their_names(tiny_run):
     told = json.loads(done.stdout)
     steps = read_trial(tiny_run / "social/mb/fast/seed-0000/steps.mcap", 0)
     assert (told["cell"], told["trial"]) == ("social/mb/fast/seed-0000", 0)
-    assert [step.pop("caption") for step in told["steps"]] == captions(steps)
+    assert [step.pop("caption") for step in told["steps"]] == captions(steps, paper_lab())
     for name, values in steps.items():
         expected = [names_of(name)[value] for value in values] if names_of(name) else values.tolist()
         assert [step[name] for step in told["steps"]] == expected

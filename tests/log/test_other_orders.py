@@ -9,6 +9,7 @@ from mcap.writer import Writer
 
 from visitlab_cli.errors import NotFoundError, RunError
 from visitlab_cli.log.reader import check_values, read_trial
+from visitlab_cli.world.lab import paper_lab
 
 from .blocks import message_class
 
@@ -66,6 +67,6 @@ def test_values_that_there_are_not_are_one_line(tiny_run, tmp_path):
 
     source = tiny_run / "visit" / "fast" / "seed-0000" / "steps.mcap"
     rewritten(source, tmp_path / "strange.mcap", list, strange)
-    check_values(source, read_trial(tmp_path / "strange.mcap", 1))
+    check_values(source, read_trial(tmp_path / "strange.mcap", 1), paper_lab())
     with pytest.raises(RunError, match="step 5 of trial 2 has goal_room 77, which there is not"):
-        check_values(source, read_trial(tmp_path / "strange.mcap", 2))
+        check_values(source, read_trial(tmp_path / "strange.mcap", 2), paper_lab())

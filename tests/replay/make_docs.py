@@ -13,6 +13,7 @@ from visitlab_cli.replay.strip import save_strip
 from visitlab_cli.scene.moments import SEEN, facts
 from visitlab_cli.scene.trial import Trial, load_trial
 from visitlab_cli.scene.words import caption
+from visitlab_cli.world.lab import paper_lab
 
 DOCS = Path(__file__).parents[2] / "docs"
 PAGE, PICTURE, STRIP = DOCS / "replay.md", DOCS / "images" / "replay.png", DOCS / "images" / "strip.png"
@@ -34,8 +35,8 @@ def documented_trial(run: Path) -> Trial:
 
 def fact_lines(trial: Trial) -> str:
     lines = [
-        f"- **Step {step}, {'first seen' if kind == SEEN else kind}:** {caption(trial.steps, step)}."
-        for kind, step in facts(trial.steps).items()
+        f"- **Step {step}, {'first seen' if kind == SEEN else kind}:** {caption(trial.steps, step, paper_lab())}."
+        for kind, step in facts(trial.steps, paper_lab()).items()
     ]
     return "\n".join(lines)
 

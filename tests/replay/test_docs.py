@@ -13,6 +13,7 @@ from tests.replay.make_docs import (
     run_quickstart,
 )
 from visitlab_cli.scene.moments import FACTS, facts, moments, strip_steps
+from visitlab_cli.world.lab import paper_lab
 
 LARGEST_PICTURE = 400_000
 LINES_IN_PICTURE = 11
@@ -26,11 +27,11 @@ def test_the_facts_of_the_page_are_the_logs(tmp_path):
     assert facts_of(page) == fact_lines(trial)
     assert f"Trial {TRIAL} of the visit" in page
     assert f"at step {STEP}:" in page
-    found = facts(trial.steps)
+    found = facts(trial.steps, paper_lab())
     assert tuple(found) == FACTS
-    shown = [moment.step for moment in moments(trial.steps)][:LINES_IN_PICTURE]
+    shown = [moment.step for moment in moments(trial.steps, paper_lab())][:LINES_IN_PICTURE]
     assert set(found.values()) <= set(shown)
-    assert set(found.values()) <= set(strip_steps(trial.steps))
+    assert set(found.values()) <= set(strip_steps(trial.steps, paper_lab()))
 
 
 def test_the_pictures_are_there_and_not_large():

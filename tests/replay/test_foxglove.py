@@ -19,6 +19,7 @@ from visitlab_cli.scene.trial import Trial
 from visitlab_cli.scene.words import caption
 from visitlab_cli.world.enums import Action, Direction
 from visitlab_cli.world.geometry import DISTANCES
+from visitlab_cli.world.lab import paper_lab
 from visitlab_cli.world.tasks import columns_of
 
 STEPS, SIZE, ROOM = 20, 24, 8
@@ -34,7 +35,9 @@ def shown(task: str, number: int = 0) -> Trial:
     columns["step"][:] = np.arange(rows)
     if "executed_action" in columns:
         columns["executed_action"][1::2] = Action.HELLO
-    return Trial(Path(), "cell", task, number, columns, SIZE, DISTANCES)
+    return Trial(
+        Path(), "cell", task, number, columns, paper_lab(), DISTANCES, arena=SIZE if task == "social" else None
+    )
 
 
 def read(path):
@@ -110,8 +113,8 @@ def test_the_goal_room_lies_where_its_name_stands(exported):
 def test_what_is_said_shown_and_told(exported):
     trials, found = exported
     logs = [message.message for _, message in found["/caption", "foxglove.Log"]]
-    assert logs[3] == f"trial 0, step 3: {caption(trials[0].steps, 3)}"
-    assert logs[STEPS + 1] == f"trial 5, step 0: {caption(trials[1].steps, 0)}"
+    assert logs[3] == f"trial 0, step 3: {caption(trials[0].steps, 3, paper_lab())}"
+    assert logs[STEPS + 1] == f"trial 5, step 0: {caption(trials[1].steps, 0, paper_lab())}"
     for (_, scene), row in zip(found["/scene", "foxglove.SceneUpdate"], range(STEPS + 1), strict=False):
         entities = {entity.id: entity for entity in scene.entities}
         assert [text.text for text in entities["robot"].texts] == ["HELLO!"] * (row % 2)

@@ -18,6 +18,7 @@ from visitlab_cli.scene.trial import load_trial
 from visitlab_cli.scene.words import GESTURES, LEVEL_NAMES, captions, option_name
 from visitlab_cli.storage.arrays import read_model
 from visitlab_cli.world import columns as parts
+from visitlab_cli.world.lab import paper_lab
 from visitlab_cli.world.tasks import TASK_NAMES, tasks_with
 
 SCENE = {"/lab/floor", "/lab/walls", "/robot/body", "/robot/heading", "/robot/place", "/captions", "/now", "/reward"}
@@ -104,10 +105,10 @@ def test_a_log_alone_has_no_best_actions(trial_of, tmp_path):
 
 def test_words_and_curves(recorded):
     trial, _, columns = recorded
-    steps, told = trial.steps, captions(trial.steps)
+    steps, told = trial.steps, captions(trial.steps, paper_lab())
     assert columns["/captions", "TextLog:text"] == [[words] for words in told]
-    if moments(steps):
-        assert columns["/moments", "step"] == [moment.step for moment in moments(steps)]
+    if moments(steps, paper_lab()):
+        assert columns["/moments", "step"] == [moment.step for moment in moments(steps, paper_lab())]
     np.testing.assert_allclose(np.ravel(columns["/reward", "Scalars:scalars"]), np.cumsum(steps["reward"]))
     assert all(f"Step {step}: " in page[0] for step, page in enumerate(columns["/now", "TextDocument:text"]))
 

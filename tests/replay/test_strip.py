@@ -9,6 +9,7 @@ from visitlab_cli.replay.strip import draw_strip, save_strip
 from visitlab_cli.scene.moments import left_out, moments, strip_steps
 from visitlab_cli.scene.trial import Trial
 from visitlab_cli.scene.words import LEVEL_NAMES, direction_name
+from visitlab_cli.world.lab import paper_lab
 from visitlab_cli.world.tasks import TASK_NAMES
 
 BEGINNINGS = {".png": b"\x89PNG", ".svg": b"<?xml", ".pdf": b"%PDF"}
@@ -28,7 +29,7 @@ def test_formats_and_bytes(trial_of, tmp_path, ending):
 def test_a_panel_for_each_moment(trial_of, task):
     pytest.importorskip("matplotlib")
     trial = trial_of(task)
-    steps = strip_steps(trial.steps)
+    steps = strip_steps(trial.steps, paper_lab())
     panels = [axes for axes in draw_strip(trial, steps).axes if axes.axison]
     assert len(panels) == len(steps)
     for axes, step in zip(panels, steps, strict=True):
@@ -38,7 +39,7 @@ def test_a_panel_for_each_moment(trial_of, task):
             assert direction_name(trial.steps["desired_direction"][step]) in title
             assert LEVEL_NAMES[trial.steps["interaction_level"][step]] in title
         drawn = [text.get_text() for text in axes.texts]
-        assert ", ".join(kind for at, kind in moments(trial.steps) if at == step) in drawn
+        assert ", ".join(kind for at, kind in moments(trial.steps, paper_lab()) if at == step) in drawn
 
 
 def test_only_a_strip_is_replaced(trial_of, tmp_path):
@@ -57,7 +58,7 @@ def test_only_a_strip_is_replaced(trial_of, tmp_path):
 def test_what_the_human_sees_stays_in_the_panel(trial_of, task):
     pytest.importorskip("matplotlib")
     trial = trial_of(task)
-    figure = draw_strip(trial, strip_steps(trial.steps))
+    figure = draw_strip(trial, strip_steps(trial.steps, paper_lab()))
     figure.canvas.draw()
     for axes in [axes for axes in figure.axes if axes.axison]:
         (field,) = axes.images
@@ -73,7 +74,7 @@ def test_both_are_seen_where_they_share_a_cell(trial_of):
     for axis in ("row", "col"):
         steps[f"robot_{axis}"][1] = steps[f"human_{axis}"][1]
         steps[f"robot_{axis}"][2] = (steps[f"human_{axis}"][2] + 5) % 24
-    trial = Trial(trial.path, trial.cell, trial.task, trial.number, steps, trial.size, trial.distances)
+    trial = Trial(trial.path, trial.cell, trial.task, trial.number, steps, trial.lab, trial.distances)
     figure = draw_strip(trial, [1, 2])
     figure.canvas.draw()
     for axes, shared in zip(figure.axes, (True, False), strict=True):
@@ -88,11 +89,11 @@ def test_both_are_seen_where_they_share_a_cell(trial_of):
 def test_it_says_what_is_left_out(trial_of, panels):
     pytest.importorskip("matplotlib")
     trial = trial_of("visit", 0)
-    every = sorted({0, *(moment.step for moment in moments(trial.steps))})
+    every = sorted({0, *(moment.step for moment in moments(trial.steps, paper_lab()))})
     shown = every[:panels]
     figure = draw_strip(trial, shown)
     said = [text.get_text() for text in figure.texts]
-    assert said == ([f"Not shown: {left_out(trial.steps, shown)}."] if panels else [])
+    assert said == ([f"Not shown: {left_out(trial.steps, shown, paper_lab())}."] if panels else [])
     assert len(every) > 3
 
 

@@ -9,13 +9,14 @@ from visitlab_cli.scene.shapes import Body, Role
 from visitlab_cli.scene.trial import Trial
 from visitlab_cli.world.enums import Action, Direction
 from visitlab_cli.world.geometry import DISTANCES
+from visitlab_cli.world.lab import paper_lab
 from visitlab_cli.world.tasks import VISIT
 
 
-def scene_of(*rows, size=24):
+def scene_of(*rows):
     steps = visit(BEGIN, *rows)
     headings = {f"{who}_heading": np.full(len(steps["step"]), Direction.WEST) for who in ("robot", "human")}
-    return Scene(Trial(None, "visit", VISIT, 0, {**steps, **headings}, size, DISTANCES))
+    return Scene(Trial(None, "visit", VISIT, 0, {**steps, **headings}, paper_lab(), DISTANCES))
 
 
 def by_role(shapes):

@@ -6,6 +6,7 @@ import pytest
 from visitlab_cli.scene.moments import Moment, facts, left_out, moments, strip_steps
 from visitlab_cli.scene.words import caption, captions
 from visitlab_cli.world.enums import Action, Direction, InteractionLevel
+from visitlab_cli.world.lab import paper_lab
 
 LEVEL = InteractionLevel
 
@@ -118,14 +119,14 @@ BEGIN = {"action": Action.NO_ACTION, "human_action": Action.NO_ACTION}
     ],
 )
 def test_caption(before, after, words):
-    assert caption(visit({**BEGIN, **before}, after), 1) == words
+    assert caption(visit({**BEGIN, **before}, after), 1, paper_lab()) == words
 
 
 def test_moments_and_facts():
     levels = [0, 0, 1, 4, 5, 5, 7, 7, 7, 2, 4, 5]
     rewarded = {7, 8}
     steps = visit(*({"interaction_level": level, "reward": int(step in rewarded)} for step, level in enumerate(levels)))
-    assert moments(steps) == [
+    assert moments(steps, paper_lab()) == [
         Moment(2, "seen"),
         Moment(4, "greeted"),
         Moment(6, "following"),
@@ -134,17 +135,23 @@ def test_moments_and_facts():
         Moment(9, "attention lost"),
         Moment(11, "greeted"),
     ]
-    assert facts(steps) == {"seen": 2, "greeted": 4, "following": 6, "goal reached": 7, "attention lost": 9}
-    assert strip_steps(steps) == [0, 2, 4, 6, 7, 8, 9, 11]
+    assert facts(steps, paper_lab()) == {
+        "seen": 2,
+        "greeted": 4,
+        "following": 6,
+        "goal reached": 7,
+        "attention lost": 9,
+    }
+    assert strip_steps(steps, paper_lab()) == [0, 2, 4, 6, 7, 8, 9, 11]
 
 
 def test_what_a_strip_leaves_out():
     steps = visit(*({"interaction_level": LEVEL.FOLLOWS, "reward": int(step > 0)} for step in range(16)))
-    shown = strip_steps(steps)
+    shown = strip_steps(steps, paper_lab())
     assert shown == list(range(12))
-    assert left_out(steps, shown) == "4 more steps with a moment, up to step 15"
-    assert left_out(steps, range(15)) == "1 more step with a moment, up to step 15"
-    assert left_out(steps, range(16)) == ""
+    assert left_out(steps, shown, paper_lab()) == "4 more steps with a moment, up to step 15"
+    assert left_out(steps, range(15), paper_lab()) == "1 more step with a moment, up to step 15"
+    assert left_out(steps, range(16), paper_lab()) == ""
 
 
 @pytest.mark.parametrize(
@@ -158,10 +165,10 @@ def test_what_a_strip_leaves_out():
 )
 def test_a_goal_that_the_human_stood_in_from_the_start_is_none_that_it_was_led_to(row, col, words, kind):
     steps = visit({**BEGIN, "human_row": row, "human_col": col}, {"reward": 1, "goal_room": 7}, {"reward": 1})
-    assert caption(steps, 1).endswith(f"; {words}")
-    assert [moment for moment in moments(steps) if moment.step == 1] == [Moment(1, kind)]
-    assert moments(steps)[-1] == Moment(2, "goal reached")
-    assert facts(steps)["goal reached"] == (2 if "began" in kind else 1)
+    assert caption(steps, 1, paper_lab()).endswith(f"; {words}")
+    assert [moment for moment in moments(steps, paper_lab()) if moment.step == 1] == [Moment(1, kind)]
+    assert moments(steps, paper_lab())[-1] == Moment(2, "goal reached")
+    assert facts(steps, paper_lab())["goal reached"] == (2 if "began" in kind else 1)
 
 
 @pytest.mark.parametrize(("row", "began"), [(9, True), (7, False)])
@@ -170,15 +177,17 @@ def test_a_robot_that_began_in_the_goal_room_did_not_reach_it(row, began):
     whole = visit(*rows)
     columns = ("step", "action", "explored", "reward", "robot_row", "robot_col", "goal_room")
     steps = {name: whole[name] for name in columns}
-    assert caption(steps, 1).endswith("rewarded: in Room 4, where it began" if began else "rewarded: in Room 4")
-    assert caption(steps, 2).endswith("rewarded: in Room 4")
-    assert moments(steps) == [Moment(1, "began in the goal room" if began else "goal reached")]
+    assert caption(steps, 1, paper_lab()).endswith(
+        "rewarded: in Room 4, where it began" if began else "rewarded: in Room 4"
+    )
+    assert caption(steps, 2, paper_lab()).endswith("rewarded: in Room 4")
+    assert moments(steps, paper_lab()) == [Moment(1, "began in the goal room" if began else "goal reached")]
 
 
 @pytest.mark.parametrize("task", ["navigation", "go_to_human", "social", "visit"])
 def test_every_recorded_step_has_a_caption(trial_of, task):
     trial = trial_of(task)
-    told = captions(trial.steps)
+    told = captions(trial.steps, paper_lab())
     assert len(told) == trial.last_step + 1
     assert told[0].startswith("the trial begins")
     assert [("reward" in words or "goal" in words) for words in told[1:]] == [

@@ -26,7 +26,7 @@ from visitlab_cli.world.enums import (
     InteractionLevel,
 )
 from visitlab_cli.world.geometry import DISTANCES, is_appropriate, make_geometry
-from visitlab_cli.world.lab import ALL_OPEN, paper_lab
+from visitlab_cli.world.lab import ALL_OPEN, make_lab
 from visitlab_cli.world.robot import move_of, moved
 from visitlab_cli.world.scene import NOWHERE, Body, Reaction, next_scene
 from visitlab_cli.world.social import teleported
@@ -36,6 +36,8 @@ NOT_ENGAGED = N_LEVELS
 """Index of the outcome 'any of the levels 0 to 4'; the outcomes before it are the levels."""
 N_OUTCOMES = N_LEVELS + 1
 FIRST_ENGAGED = int(InteractionLevel.GREETED)
+WIDE = 4 * MAX_SPEED
+"""Cells a side of a floor in whose middle no move of one step meets a border."""
 
 
 class Truth(NamedTuple):
@@ -111,7 +113,7 @@ def _levels_in_vision(human: SixParameters, distances: Sequence[int]) -> Table:
 
     The human may move at random and look elsewhere in that step; the robot's heading is random. Far from borders.
     """
-    lab = paper_lab()
+    lab = make_lab(WIDE, WIDE)
     geometry, middle = make_geometry(lab.rows, lab.cols, distances), lab.rows // 2
     found = np.zeros((N_DIRECTIONS, FIRST_ENGAGED))
     nothing = Engagement.NONE.value, Action.STAY.value

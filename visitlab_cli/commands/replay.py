@@ -61,7 +61,7 @@ def command(
         from visitlab_cli.scene.moments import left_out, strip_steps
 
         save_strip(chosen, strip)
-        if missing := left_out(chosen.steps, strip_steps(chosen.steps)):
+        if missing := left_out(chosen.steps, strip_steps(chosen.steps, chosen.lab), chosen.lab):
             tell(f"not on the strip: {missing}", err=True)
     elif png is not None and step is not None:
         from visitlab_cli.replay.picture import save_picture

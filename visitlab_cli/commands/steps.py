@@ -10,6 +10,7 @@ from visitlab_cli.terminal import tell, tell_json, tell_text
 
 if TYPE_CHECKING:
     from visitlab_cli.scene.words import Steps
+    from visitlab_cli.world.lab import Lab
 
 
 HELP = Help(
@@ -37,22 +38,24 @@ def command(
     from visitlab_cli.log.reader import check_values, read_trial
     from visitlab_cli.plan.selection import Selection
     from visitlab_cli.replay.choice import choose_trial, find_logs
+    from visitlab_cli.scene.trial import lab_of_log
 
     chosen = choose_trial(find_logs(run, out, Selection(experiment, human, agent, seed, tuple(at or ()))), trial)
     log, number = chosen.log, chosen.trial
     if chosen.note:
         tell(chosen.note, err=True)
     steps = read_trial(log.path, number)
-    check_values(log.path, steps)
+    lab = lab_of_log(log.path)
+    check_values(log.path, steps, lab)
     if as_json:
-        told = {"cell": log.cell, "trial": number, "steps": plain(steps)}
+        told = {"cell": log.cell, "trial": number, "steps": plain(steps, lab)}
         tell_json(told)
     else:
         tell(f"{log.cell}, trial {number}", "")
-        tell_text(table(steps))
+        tell_text(table(steps, lab))
 
 
-def plain(steps: "Steps") -> list[dict[str, Any]]:
+def plain(steps: "Steps", lab: "Lab") -> list[dict[str, Any]]:
     """Each step as the log's values, enums by their names, and its caption."""
     from visitlab_cli.log.tables import names_of
     from visitlab_cli.scene.words import captions
@@ -61,11 +64,11 @@ def plain(steps: "Steps") -> list[dict[str, Any]]:
     for column, values in steps.items():
         names = names_of(column)
         columns[column] = [names[value] for value in values] if names else values.tolist()
-    rows = zip(*columns.values(), captions(steps), strict=True)
+    rows = zip(*columns.values(), captions(steps, lab), strict=True)
     return [dict(zip((*columns, "caption"), row, strict=True)) for row in rows]
 
 
-def table(steps: "Steps") -> str:
+def table(steps: "Steps", lab: "Lab") -> str:
     """A line for each step: what the task has of goal, desired direction, level; reward; what happens in words."""
     from visitlab_cli.scene.words import LEVEL_NAMES, captions, direction_name, room_name
 
@@ -78,6 +81,6 @@ def table(steps: "Steps") -> str:
         if column in steps:
             columns[head] = [in_words(int(value)) for value in steps[column]]
     columns["reward"] = [f"{value:g}" for value in steps["reward"]]
-    columns["what happens"] = captions(steps)
+    columns["what happens"] = captions(steps, lab)
     rows = [list(map(in_line, row)) for row in (columns, *zip(*columns.values(), strict=True))]
     return aligned(rows, words=len(columns))

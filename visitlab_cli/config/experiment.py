@@ -8,7 +8,7 @@ from visitlab_cli.agents.exploration import Table
 from visitlab_cli.config.names import Module
 from visitlab_cli.settings import Settings
 from visitlab_cli.world.columns import MODULES
-from visitlab_cli.world.lab import Lab
+from visitlab_cli.world.lab import Lab, paper_lab
 from visitlab_cli.world.tasks import TASKS, Task
 
 
@@ -110,3 +110,8 @@ class Experiment(Settings):
     def restored(self, agent: AgentParameters, setting: Setting, saved: Saved) -> Any:
         """The record of an agent that goes on here from what it saved."""
         return agent.restore(setting, saved)
+
+
+def lab_of(settings: Experiment) -> Lab:
+    """The lab that an experiment takes place in, and that the sizes of its modules are of."""
+    return paper_lab()

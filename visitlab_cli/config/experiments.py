@@ -13,7 +13,7 @@ from visitlab_cli.settings import Settings
 from visitlab_cli.simulation.visit import Visit as VisitTask
 from visitlab_cli.simulation.visit import make_visit
 from visitlab_cli.world.go_to_human import GoToHuman, make_go_to_human
-from visitlab_cli.world.lab import N_ROOMS
+from visitlab_cli.world.lab import paper_lab
 from visitlab_cli.world.navigation import Navigation, make_navigation
 from visitlab_cli.world.social import ARENA, DIRECTION_CHANGE, Social, make_social
 from visitlab_cli.world.task import TRAINING_TRIAL_STEPS, VISIT_TRIAL_STEPS
@@ -22,6 +22,7 @@ from visitlab_cli.world.visit import make_visit_world
 
 MODULE_TASKS = (NAVIGATION, GO_TO_HUMAN, SOCIAL)
 MOST_STEPS = 10**12
+N_ROOMS = paper_lab().n_rooms
 
 TRAINING_STEPS = 500_000
 

@@ -1,8 +1,8 @@
 """The exact values of `go_to_human` for who knows all: both cells and the human's heading.
 
 The human stands still and moves are certain. The robot's heading changes neither its moves nor the reward, so
-robot cell, human cell and human heading are the full state: 576 x 576 x 8. An agent on the task's 320 states
-knows less; what it reaches is below this optimum.
+robot cell, human cell and human heading are the full state: 576 x 576 x 8 in the paper's lab. An agent on the task's
+320 states knows less; what it reaches is below this optimum.
 """
 
 from collections.abc import Sequence
@@ -15,34 +15,36 @@ from visitlab_cli.random_numbers import random_state
 from visitlab_cli.world.enums import N_DIRECTIONS, N_PHYSICAL_ACTIONS, Action
 from visitlab_cli.world.geometry import DISTANCES
 from visitlab_cli.world.go_to_human import GoToHuman, make_go_to_human, step
-from visitlab_cli.world.lab import LAB_SIZE
+from visitlab_cli.world.lab import Lab, paper_lab
 from visitlab_cli.world.scene import NOWHERE, Body, Scene, first_scene
-
-CELLS = LAB_SIZE * LAB_SIZE
-REACH = LAB_SIZE - 1
 
 
 @cache
-def go_to_human_motion(success: str = "facing", distances: Sequence[int] = DISTANCES) -> Motion:
-    """`after` (576 cells, 25 actions) and `reward` (576 cells, 4608 humans: cell x heading) of the task."""
-    task, unused = make_go_to_human(success=success, distances=distances), random_state(0)
-    after = np.empty((CELLS, N_PHYSICAL_ACTIONS), np.int64)
-    for cell in range(CELLS):
-        scene = _scene(task, Body(*divmod(cell, LAB_SIZE), 0), Body(0, 0, 0))
+def go_to_human_motion(success: str = "facing", distances: Sequence[int] = DISTANCES, lab: Lab | None = None) -> Motion:
+    """`after` (cells, 25 actions) and `reward` (cells, humans: cell x heading) of the task.
+
+    In `lab`, the paper's unless given.
+    """
+    lab = lab or paper_lab()
+    task, unused = make_go_to_human(success=success, distances=distances, lab=lab), random_state(0)
+    cells, southmost, eastmost = lab.rows * lab.cols, lab.rows - 1, lab.cols - 1
+    after = np.empty((cells, N_PHYSICAL_ACTIONS), np.int64)
+    for cell in range(cells):
+        scene = _scene(task, Body(*divmod(cell, lab.cols), 0), Body(0, 0, 0))
         for action in range(N_PHYSICAL_ACTIONS):
             moved, _, _ = step(task, scene, action, unused)
-            after[cell, action] = moved.robot_row * LAB_SIZE + moved.robot_col
-    by_offset = np.empty((2 * REACH + 1, 2 * REACH + 1, N_DIRECTIONS), np.uint8)
-    for south in range(-REACH, REACH + 1):
-        for east in range(-REACH, REACH + 1):
+            after[cell, action] = moved.robot_row * lab.cols + moved.robot_col
+    by_offset = np.empty((2 * southmost + 1, 2 * eastmost + 1, N_DIRECTIONS), np.uint8)
+    for south in range(-southmost, southmost + 1):
+        for east in range(-eastmost, eastmost + 1):
             robot, human = Body(max(south, 0), max(east, 0), 0), Body(max(-south, 0), max(-east, 0), 0)
             for heading in range(N_DIRECTIONS):
                 scene = _scene(task, robot, human._replace(heading=heading))
-                by_offset[south + REACH, east + REACH, heading] = step(task, scene, Action.STAY.value, unused)[1]
-    rows, cols = np.divmod(np.arange(CELLS), LAB_SIZE)
+                by_offset[south + southmost, east + eastmost, heading] = step(task, scene, Action.STAY.value, unused)[1]
+    rows, cols = np.divmod(np.arange(cells), lab.cols)
     below, beside = rows[:, None] - rows, cols[:, None] - cols  # the robot's place less the human's
-    reward = by_offset[below + REACH, beside + REACH]
-    return Motion(after, reward.reshape(CELLS, CELLS * N_DIRECTIONS))
+    reward = by_offset[below + southmost, beside + eastmost]
+    return Motion(after, reward.reshape(cells, cells * N_DIRECTIONS))
 
 
 def _scene(task: GoToHuman, robot: Body, human: Body) -> Scene:
@@ -50,12 +52,16 @@ def _scene(task: GoToHuman, robot: Body, human: Body) -> Scene:
 
 
 @cache
-def go_to_human_optimum(trial_steps: int, success: str = "facing", distances: Sequence[int] = DISTANCES) -> float:
+def go_to_human_optimum(
+    trial_steps: int, success: str = "facing", distances: Sequence[int] = DISTANCES, lab: Lab | None = None
+) -> float:
     """The largest expected sum of rewards in a trial; all cells and headings are uniform."""
-    return float(optimal_sums(go_to_human_motion(success, distances), trial_steps).mean())
+    return float(optimal_sums(go_to_human_motion(success, distances, lab), trial_steps).mean())
 
 
 @cache
-def go_to_human_random(trial_steps: int, success: str = "facing", distances: Sequence[int] = DISTANCES) -> float:
+def go_to_human_random(
+    trial_steps: int, success: str = "facing", distances: Sequence[int] = DISTANCES, lab: Lab | None = None
+) -> float:
     """The expected sum of rewards of uniformly random actions in a trial."""
-    return float(random_sums(go_to_human_motion(success, distances), trial_steps).mean())
+    return float(random_sums(go_to_human_motion(success, distances, lab), trial_steps).mean())

@@ -17,46 +17,46 @@ from visitlab_cli.exact.motion import (
 )
 from visitlab_cli.random_numbers import random_state
 from visitlab_cli.world.enums import N_PHYSICAL_ACTIONS, Action
-from visitlab_cli.world.lab import LAB_SIZE, N_ROOMS
+from visitlab_cli.world.lab import Lab, paper_lab
 from visitlab_cli.world.navigation import make_navigation, step
 from visitlab_cli.world.scene import NOWHERE
 
-CELLS = LAB_SIZE * LAB_SIZE
-
 
 @cache
-def navigation_motion() -> Motion:
-    """`after` (576 cells, 25 actions) and `reward` (576 cells, 9 goal rooms) of the task."""
-    task, unused = make_navigation(), random_state(0)
-    after = np.empty((CELLS, N_PHYSICAL_ACTIONS), np.int64)
-    reward = np.empty((CELLS, N_ROOMS), np.uint8)
-    for cell in range(CELLS):
-        row, col = divmod(cell, LAB_SIZE)
+def navigation_motion(lab: Lab | None = None) -> Motion:
+    """`after` (cells, 25 actions) and `reward` (cells, goal rooms) of the task in `lab`, the paper's unless given."""
+    lab = lab or paper_lab()
+    task, unused = make_navigation(lab=lab), random_state(0)
+    cells = lab.rows * lab.cols
+    after = np.empty((cells, N_PHYSICAL_ACTIONS), np.int64)
+    reward = np.empty((cells, lab.n_rooms), np.uint8)
+    for cell in range(cells):
+        row, col = divmod(cell, lab.cols)
         scene = NOWHERE._replace(robot_row=row, robot_col=col, goal_room=0)
         for action in range(N_PHYSICAL_ACTIONS):
             moved, _, _ = step(task, scene, action, unused)
-            after[cell, action] = moved.robot_row * LAB_SIZE + moved.robot_col
-        for room in range(N_ROOMS):
+            after[cell, action] = moved.robot_row * lab.cols + moved.robot_col
+        for room in range(lab.n_rooms):
             reward[cell, room] = step(task, scene._replace(goal_room=room), Action.STAY.value, unused)[1]
     return Motion(after, reward)
 
 
 @cache
-def navigation_optimum(trial_steps: int) -> float:
+def navigation_optimum(trial_steps: int, lab: Lab | None = None) -> float:
     """The largest expected sum of rewards in a trial; cell and goal room are uniform."""
-    return float(optimal_sums(navigation_motion(), trial_steps).mean())
+    return float(optimal_sums(navigation_motion(lab), trial_steps).mean())
 
 
 @cache
-def navigation_random(trial_steps: int) -> float:
+def navigation_random(trial_steps: int, lab: Lab | None = None) -> float:
     """The expected sum of rewards of uniformly random actions in a trial."""
-    return float(random_sums(navigation_motion(), trial_steps).mean())
+    return float(random_sums(navigation_motion(lab), trial_steps).mean())
 
 
 @cache
-def navigation_optimal_q(gamma: float) -> Table:
-    """The optimal discounted Q, shape (5184 states, 25 actions), states as the task numbers them."""
-    q = optimal_q(navigation_motion(), gamma).reshape(N_ROOMS * CELLS, N_PHYSICAL_ACTIONS)
+def navigation_optimal_q(gamma: float, lab: Lab | None = None) -> Table:
+    """The optimal discounted Q, shape (states, 25 actions), states as the task numbers them."""
+    q = optimal_q(navigation_motion(lab), gamma).reshape(-1, N_PHYSICAL_ACTIONS)
     q.setflags(write=False)  # shared by all who ask
     return q
 

@@ -2,8 +2,7 @@
 
 from typing import NamedTuple
 
-from visitlab_cli.config.experiment import Experiment
-from visitlab_cli.config.experiments import GoToHumanTraining
+from visitlab_cli.config.experiment import Experiment, Site, lab_of
 from visitlab_cli.exact.go_to_human import go_to_human_optimum, go_to_human_random
 from visitlab_cli.exact.navigation import (
     navigation_optimal_q,
@@ -39,10 +38,12 @@ class ExactValue(NamedTuple):
 
 def possible(settings: Experiment, distances: tuple[int, ...] = DISTANCES) -> Possible | None:
     """What a trial of an experiment can bring; None for a task whose exact values are not known."""
+    lab, steps = lab_of(settings), settings.trial_steps
     if settings.task == NAVIGATION:
-        return Possible(navigation_optimum(settings.trial_steps), navigation_random(settings.trial_steps))
-    if isinstance(settings, GoToHumanTraining):
-        options = settings.trial_steps, settings.success, distances
+        return Possible(navigation_optimum(steps, lab), navigation_random(steps, lab))
+    if settings.task == GO_TO_HUMAN:
+        task = settings.task_in(Site(lab, None, distances, {}))
+        options = steps, "seen" if task.seen_is_enough else "facing", distances, lab
         return Possible(go_to_human_optimum(*options), go_to_human_random(*options))
     return None
 

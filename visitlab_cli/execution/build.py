@@ -7,10 +7,9 @@ import numpy as np
 
 from visitlab_cli.agents.base import AgentParameters, Saved, Setting
 from visitlab_cli.agents.greedy_table import GreedyTable
-from visitlab_cli.config.experiment import Site
+from visitlab_cli.config.experiment import Site, lab_of
 from visitlab_cli.errors import RunError
 from visitlab_cli.plan.cells import Cell
-from visitlab_cli.world.lab import paper_lab
 from visitlab_cli.world.tasks import SOCIAL, TASKS
 
 
@@ -30,8 +29,8 @@ def build(cell: Cell, models: Mapping[str, Saved]) -> Simulation:
     Raises:
         RunError: a model does not have the shape that its task asks for.
     """
-    lab = paper_lab()
     settings, config = cell.settings, cell.config
+    lab = lab_of(settings)
     for module in cell.modules:
         shape, expected = models[module]["q"].shape, tuple(TASKS[module].size(lab))
         if shape != expected:

@@ -9,6 +9,7 @@ import numpy as np
 
 from visitlab_cli.agents.base import Saved, Setting
 from visitlab_cli.compiled import JIT_DISABLED, cache_folder, cache_place
+from visitlab_cli.config.experiment import lab_of
 from visitlab_cli.execution.build import Simulation, build
 from visitlab_cli.execution.cell_runner import simulate
 from visitlab_cli.kernel_cache import VARIABLE, KernelCache
@@ -16,7 +17,6 @@ from visitlab_cli.plan.cells import Cell
 from visitlab_cli.random_numbers import random_state
 from visitlab_cli.stopping import check_asked, nothing_to_lose
 from visitlab_cli.world.columns import StepColumns
-from visitlab_cli.world.lab import paper_lab
 from visitlab_cli.world.tasks import SOCIAL, TASKS
 
 COMPILED = "compiled-"
@@ -85,7 +85,7 @@ def _one_step(cell: Cell) -> Simulation:
 
 def _empty_models(cell: Cell) -> dict[str, Saved]:
     """Models of the right types and sizes that have learned nothing."""
-    sizes = {module: TASKS[module].size(paper_lab()) for module in cell.modules}
+    sizes = {module: TASKS[module].size(lab_of(cell.settings)) for module in cell.modules}
     models: dict[str, Saved] = {module: {"q": np.zeros(size)} for module, size in sizes.items()}
     if SOCIAL in models:
         parameters = cell.config.agents[cell.agent]

@@ -20,15 +20,13 @@ from visitlab_cli.log.schema import ONE_TRIAL_IN, TRIAL
 from visitlab_cli.wording import or_else
 from visitlab_cli.world.columns import COLUMNS
 from visitlab_cli.world.enums import N_DISTANCES
-from visitlab_cli.world.lab import LAB_SIZE, N_ROOMS, paper_lab
+from visitlab_cli.world.lab import Lab
 from visitlab_cli.world.tasks import TASKS
 
 Columns = dict[str, npt.NDArray[np.generic]]
 
-PLACES = ("robot_row", "robot_col", "human_row", "human_col")
 LARGEST_ARENA = 10_000
 """The largest side of a square world that a config may have, in cells."""
-MOST_STATES = max(task.size(paper_lab()).n_states for task in TASKS.values())
 _LOG_TIME = "log_time"
 _TRIAL_PARTS = ("trial", "step", "reward", _LOG_TIME)
 
@@ -121,16 +119,18 @@ def read_attachment(path: Path, name: str) -> bytes | None:
         return log.attachment(name)
 
 
-def check_values(path: Path, steps: Columns) -> None:
-    """Refuse what no simulation can have logged and no word or picture exists for: others may write anything.
+def check_values(path: Path, steps: Columns, lab: Lab) -> None:
+    """Refuse what no simulation in `lab` can have logged and no word or picture exists for: others may write anything.
 
     Raises:
         RunError: it names the first step of `steps`, the columns of a trial, with such a value.
     """
     most: dict[str, int] = {column.name: int(max(column.enum)) for column in COLUMNS if column.enum is not None}
-    most |= {"goal_room": N_ROOMS - 1, "distance": N_DISTANCES - 1, "state": MOST_STATES - 1}
+    most_states = max(task.size(lab).n_states for task in TASKS.values())
+    most |= {"goal_room": lab.n_rooms - 1, "distance": N_DISTANCES - 1, "state": most_states - 1}
     in_arena = "goal_room" not in steps and "human_row" in steps
-    most |= dict.fromkeys(PLACES, (LARGEST_ARENA if in_arena else LAB_SIZE) - 1)
+    for axis, size in (("row", lab.rows), ("col", lab.cols)):
+        most |= dict.fromkeys((f"robot_{axis}", f"human_{axis}"), (LARGEST_ARENA if in_arena else size) - 1)
     for name, column in steps.items():
         values: npt.NDArray[Any] = column
         wrong = values > most[name] if name in most else ~np.isfinite(values) if values.dtype.kind == "f" else None

@@ -6,13 +6,13 @@ from pathlib import Path
 
 from visitlab_cli.agents.base import Setting
 from visitlab_cli.agents.declared import RANDOM_STATE, Declared
+from visitlab_cli.config.experiment import lab_of
 from visitlab_cli.errors import VisitlabError
 from visitlab_cli.plan.cells import Cell
 from visitlab_cli.plan.evaluation import AS_DECLARED
 from visitlab_cli.storage.arrays import Arrays, damaged, read_model, read_trials
 from visitlab_cli.storage.cell_folder import MODEL, TRIALS
 from visitlab_cli.wording import printable
-from visitlab_cli.world.lab import paper_lab
 
 
 def unsound(run: Path, cell: Cell) -> tuple[str, str] | None:
@@ -29,7 +29,7 @@ def unsound(run: Path, cell: Cell) -> tuple[str, str] | None:
 def setting_of(cell: Cell) -> Setting:
     """Where a cell's agent plays."""
     settings = cell.settings
-    return Setting(cell.task, *settings.plays.size(paper_lab()), settings.n_steps, cell.config.agents)
+    return Setting(cell.task, *settings.plays.size(lab_of(settings)), settings.n_steps, cell.config.agents)
 
 
 def declared(cell: Cell) -> dict[str, Declared]:

@@ -8,7 +8,6 @@ from visitlab_cli.scene.colours import FLOOR
 from visitlab_cli.scene.moments import moments, strip_steps
 from visitlab_cli.scene.scene import Scene
 from visitlab_cli.scene.trial import Trial
-from visitlab_cli.world.tasks import VISIT
 
 FRAMES_PER_SECOND = 3.0
 SCENE = ["lab/**", "human/**", "robot/**"]
@@ -20,7 +19,7 @@ def blueprint_of(shown: Scene) -> rrb.Blueprint:
     """The layout for the trial's task."""
     trial = shown.trial
     scene = _scene(shown, f"{trial.cell}, trial {trial.number}", SCENE)
-    steps = strip_steps(trial.steps)
+    steps = strip_steps(trial.steps, trial.lab)
     panels = [_scene(shown, _panel_name(trial, step), [*SCENE, "- human/field/**"], step) for step in steps]
     left = rrb.Tabs(scene, rrb.Grid(*panels, grid_columns=STRIP_COLUMNS, name="Strip"))
     words: list[rrb.View | rrb.Container] = [
@@ -29,7 +28,7 @@ def blueprint_of(shown: Scene) -> rrb.Blueprint:
     ]
     first, last = (rrb.TimeRangeBoundary.absolute(seq=step) for step in (0, trial.last_step))
     axis = rrb.archetypes.TimeAxis(view_range=rrb.TimeRange(start=first, end=last))
-    reward = "Goals reached" if trial.task == VISIT else "Reward so far"
+    reward = "Goals reached" if trial.plays.counts_goals else "Reward so far"
     curves = [rrb.TimeSeriesView(origin="reward", name=reward, axis_x=axis, plot_legend=NO_LEGEND)]
     if trial.has_human:
         distance = "Distance in cells, to interact between the lines"
@@ -66,7 +65,7 @@ def _scene(shown: Scene, name: str, contents: list[str], step: int | None = None
 
 
 def _panel_name(trial: Trial, step: int) -> str:
-    kinds = [kind for at, kind in moments(trial.steps) if at == step]
+    kinds = [kind for at, kind in moments(trial.steps, trial.lab) if at == step]
     return f"{step}: {', '.join(kinds) or 'start'}"
 
 

@@ -20,7 +20,6 @@ from visitlab_cli.scene.words import (
     room_name,
 )
 from visitlab_cli.world.enums import DISTANCE_NAMES
-from visitlab_cli.world.tasks import VISIT
 
 GOAL_LANE, LEVEL, ACTION = LANES = "goal", "interaction_level", "robot_action"
 """Entities, which the viewer shows in alphabetical order."""
@@ -33,11 +32,11 @@ ROOM_COLOURS: tuple[Colour, ...] = ((170, 140, 70), (120, 100, 60))
 
 def draw_words(stage: Stage) -> None:
     """The caption of each step as a document, all captions and the moments as logs."""
-    told = captions(stage.trial.steps)
+    told = captions(stage.trial.steps, stage.trial.lab)
     stage.columns("captions", rr.TextLog.columns(text=told))
     pages = [_page(stage, step, text) for step, text in enumerate(told)]
     stage.columns("now", rr.TextDocument.columns(text=pages, media_type=["text/markdown"] * len(pages)))
-    for moment in moments(stage.trial.steps):
+    for moment in moments(stage.trial.steps, stage.trial.lab):
         stage.recording.set_time("step", sequence=moment.step)
         stage.recording.log("moments", rr.TextLog(f"{moment.kind}: {told[moment.step]}"))
     stage.recording.reset_time()
@@ -51,15 +50,16 @@ def draw_states(stage: Stage) -> None:
     actions = ["" if step == 0 else action_kind(int(action)) for step, action in enumerate(steps["action"])]
     _lane(stage, ACTION, ("", *ACTION_KINDS), ((60, 60, 60), *ACTION_COLOURS), actions)
     if stage.trial.has_goal:
-        names = [room_name(room) for room in range(9)]
-        colours = [ROOM_COLOURS[room % 2] for room in range(9)]
+        names = [room_name(room) for room in range(stage.trial.lab.n_rooms)]
+        colours = [ROOM_COLOURS[room % 2] for room in range(stage.trial.lab.n_rooms)]
         _lane(stage, GOAL_LANE, names, colours, [names[room] for room in steps["goal_room"]])
 
 
 def draw_curves(stage: Stage) -> None:
     """The reward so far, and the distance in cells with the bounds between which the two can interact."""
     steps = stage.trial.steps
-    _curve(stage, "reward", np.cumsum(steps["reward"]), "goals" if stage.trial.task == VISIT else "reward", GOAL, 2.5)
+    reward = "goals" if stage.trial.plays.counts_goals else "reward"
+    _curve(stage, "reward", np.cumsum(steps["reward"]), reward, GOAL, 2.5)
     if not stage.trial.has_human:
         return
     apart = [abs(steps[f"robot_{axis}"].astype(int) - steps[f"human_{axis}"].astype(int)) for axis in ("row", "col")]

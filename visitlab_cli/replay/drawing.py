@@ -12,7 +12,6 @@ from visitlab_cli.scene.scene import TRAIL_STEPS
 from visitlab_cli.scene.shapes import Area, Arrow, Body, Polygon, Role, Shape, Sight, Speech, Vectors
 from visitlab_cli.scene.shapes import Line as Way
 from visitlab_cli.scene.words import action_name
-from visitlab_cli.world.lab import LAB_SIZE
 
 NOTHING, SEES, FACES, GOAL_ROOM, REACHED_ROOM = range(5)
 """Classes of coloured cells, the first three those of `scene.sight`."""
@@ -68,7 +67,7 @@ def _draw_place(stage: Stage) -> None:
 def _draw_goals(stage: Stage, moments: Sequence[Sequence[Shape]]) -> None:
     if not stage.trial.has_goal:
         return
-    cells = np.zeros((len(moments), LAB_SIZE, LAB_SIZE), np.uint8)
+    cells = np.zeros((len(moments), stage.trial.rows, stage.trial.cols), np.uint8)
     for step, shapes in enumerate(moments):
         for area in of_role(shapes, Role.GOAL, Role.REACHED):
             if isinstance(area, Area):
@@ -210,7 +209,7 @@ def _bubble(stage: Stage, shape: Shape) -> list[Line]:
         return []
     place, padding, up = np.array(shape.place), 0.62, -1.0 if shape.above else 1.0
     half = width_of(shape.text, BUBBLE_LETTERS) / 2
-    middle = np.array([np.clip(place[0], half + padding, stage.trial.size - half - padding), place[1] + 2.2 * up])
+    middle = np.array([np.clip(place[0], half + padding, stage.trial.cols - half - padding), place[1] + 2.2 * up])
     aside, towards = np.array([half, 0]), np.array([0, 0.8 * up])
     base, tail = np.stack([middle - aside, middle + aside]), np.stack([place + towards, middle])
     drawn = [Line(base, padding + 0.09, INK), Line(tail, 0.16, INK), Line(base, padding, WHITE)]

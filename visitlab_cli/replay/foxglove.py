@@ -87,7 +87,7 @@ def _messages(scene: Scene, step: int, time: int) -> Iterator[_Sent]:
     if step == 0:
         yield _Sent(LAB, _made(SCENE_UPDATE, {"entities": [now | each for each in lab_entities(scene)]}))
     yield _Sent(SCENE, _made(SCENE_UPDATE, {"entities": [now | each for each in scene_entities(scene, step)]}))
-    words = f"trial {scene.trial.number}, step {steps['step'][step]}: {caption(steps, step)}"
+    words = f"trial {scene.trial.number}, step {steps['step'][step]}: {caption(steps, step, scene.trial.lab)}"
     yield _Sent(CAPTION, _made(LOG, now | {"level": "INFO", "message": words, "name": NAME}))
     values = {name: column[step].item() for name, column in steps.items()}
     yield _Sent(schema.STEP_TOPIC, _step_class()(**values))

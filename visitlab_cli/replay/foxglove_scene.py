@@ -126,12 +126,12 @@ def _entity(name: str, frame: str, **primitives: list[Fields]) -> Fields:
 def _place(scene: Scene, who: str, step: int) -> tuple[float, float]:
     """The middle of a cell as x, y."""
     steps = scene.trial.steps
-    return float(steps[f"{who}_col"][step]) + 0.5, scene.trial.size - float(steps[f"{who}_row"][step]) - 0.5
+    return float(steps[f"{who}_col"][step]) + 0.5, scene.trial.rows - float(steps[f"{who}_row"][step]) - 0.5
 
 
 def _northwards(scene: Scene, points: Vectors) -> list[tuple[float, float]]:
     """Points of a scene, whose y goes southwards."""
-    return [(float(x), scene.trial.size - float(y)) for x, y in points]
+    return [(float(x), scene.trial.rows - float(y)) for x, y in points]
 
 
 def _raised(points: Sequence[tuple[float, float]]) -> list[Place]:
@@ -141,7 +141,7 @@ def _raised(points: Sequence[tuple[float, float]]) -> list[Place]:
 
 def _at_northern_edge(scene: Scene, area: Area) -> tuple[float, float]:
     (x, y), (width, _) = area.corner, area.size
-    return float(x + width / 2), scene.trial.size - float(y) - 1
+    return float(x + width / 2), scene.trial.rows - float(y) - 1
 
 
 def _slab(scene: Scene, area: Area, height: float, thickness: float) -> Fields:

@@ -127,7 +127,10 @@ def _draw_sight(axes: "Axes", sight: Sight, scene: Scene) -> None:
     limits = axes.get_xlim(), axes.get_ylim()
     shown = axes.imshow(image, extent=extent, interpolation="nearest", zorder=1)
     axes.set(xlim=limits[0], ylim=limits[1])
-    (left, right), (top, bottom) = ((max(low, 0), min(high, scene.trial.size)) for low, high in scene.view)
+    world = scene.trial.cols, scene.trial.rows
+    (left, right), (top, bottom) = (
+        (max(low, 0), min(high, n)) for (low, high), n in zip(scene.view, world, strict=True)
+    )
     frame = Rectangle((left, top), right - left, bottom - top, fill=False, linewidth=0)
     axes.add_patch(frame)
     shown.set_clip_path(frame)

@@ -23,7 +23,6 @@ from visitlab_cli.scene.scene import Scene
 from visitlab_cli.scene.trial import Trial, load_trial
 from visitlab_cli.scene.words import LEVEL_NAMES, action_name, direction_name
 from visitlab_cli.whole_file import write_again
-from visitlab_cli.world.tasks import VISIT
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -53,7 +52,7 @@ def save_strip(trial: Trial, target: Path) -> None:
     content = BytesIO()
     try:
         with same_pictures({"font.size": FONT_SIZE}):
-            draw_strip(trial, strip_steps(trial.steps)).savefig(
+            draw_strip(trial, strip_steps(trial.steps, trial.lab)).savefig(
                 content, format=ending[1:], dpi=PIXELS_PER_INCH, metadata=FORMATS[ending]
             )
     except ModuleNotFoundError as error:
@@ -64,7 +63,7 @@ def save_strip(trial: Trial, target: Path) -> None:
 def strip(log: Path, number: int) -> "Figure":
     """A recorded trial of a log as a strip."""
     trial = load_trial(log, number)
-    return draw_strip(trial, strip_steps(trial.steps))
+    return draw_strip(trial, strip_steps(trial.steps, trial.lab))
 
 
 def draw_strip(trial: Trial, steps: Sequence[int]) -> "Figure":
@@ -77,7 +76,7 @@ def draw_strip(trial: Trial, steps: Sequence[int]) -> "Figure":
     handles = _key(trial)
     widths = [KEY_ENTRY + KEY_LETTER * len(handle.get_label()) for handle in handles]
     entries = len(handles) if sum(widths) <= width else min(len(handles), max(1, int(width / max(widths))))
-    missing = left_out(trial.steps, steps)
+    missing = left_out(trial.steps, steps, trial.lab)
     key = KEY_GAP + KEY_LINE * (-(-len(handles) // entries) + bool(missing))
     height = rows * (PANEL + TITLE + GAP) + GAP + key
     figure = Figure(figsize=(width, height))
@@ -91,7 +90,7 @@ def draw_strip(trial: Trial, steps: Sequence[int]) -> "Figure":
     for axes, step in zip(grid.flat, steps, strict=False):
         panel.draw(axes, scene, step)
         axes.spines[:].set(linewidth=0.4, color="0.5")
-        kinds = ", ".join(kind for at, kind in moments(trial.steps) if at == step)
+        kinds = ", ".join(kind for at, kind in moments(trial.steps, trial.lab) if at == step)
         axes.text(0.97, 0.03, kinds, transform=axes.transAxes, ha="right", weight="bold", zorder=7)
         if scene.share_a_cell(step):
             axes.text(0.97, 0.12, IN_ONE_CELL, transform=axes.transAxes, ha="right", zorder=7)
@@ -122,7 +121,7 @@ def _key(trial: Trial) -> list[Any]:
         handles.append(Line2D([], [], color=shares(DESIRED), linewidth=1.6, label="desired direction"))
     if trial.has_goal:
         handles.append(Patch(facecolor=shares(GOAL_FLOOR), label="goal"))
-    if trial.task == VISIT:
+    if trial.plays.counts_goals:
         handles.append(Patch(facecolor=shares(REACHED_FLOOR), label="just reached"))
     return handles
 

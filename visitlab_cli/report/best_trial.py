@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from visitlab_cli.config.experiment import lab_of
 from visitlab_cli.log.reader import check_values, read_trial
 from visitlab_cli.plan.cells import Cell
 from visitlab_cli.plan.saved import trials_of
@@ -19,8 +20,6 @@ from visitlab_cli.scene.trial import Trial
 from visitlab_cli.scene.words import Steps, captions
 from visitlab_cli.storage.cell_folder import STEPS, read_cell
 from visitlab_cli.world.enums import N_DIRECTIONS
-from visitlab_cli.world.lab import LAB_SIZE
-from visitlab_cli.world.tasks import VISIT
 
 MOST_TRIALS = 12
 """A page plays the best trials of so many visits at most, in the order of the config."""
@@ -65,9 +64,10 @@ def _best_of(run: Path, group: Group, varied: Varying) -> list[dict[str, Any]]:
 def _plain(run: Path, name: str, cell: Cell, number: int, reward: float) -> dict[str, Any]:
     log = run / cell.path / STEPS
     whole = read_trial(log, number)
-    check_values(log, whole)
+    lab = lab_of(cell.settings)
+    check_values(log, whole, lab)
     steps: Steps = {column: values[: MOST_STEPS + 1] for column, values in whole.items()}
-    trial = Trial(log, cell.path, VISIT, number, steps, LAB_SIZE, tuple(cell.config.interaction.distances))
+    trial = Trial(log, cell.path, cell.task, number, steps, lab, tuple(cell.config.interaction.distances))
     return {
         "group": name,
         "cell": cell.path,
@@ -76,8 +76,8 @@ def _plain(run: Path, name: str, cell: Cell, number: int, reward: float) -> dict
         "steps": len(whole["step"]) - 1,
         "columns": {column: steps[column].astype(int).tolist() for column in COLUMNS},
         "scene": plain_scene(trial),
-        "captions": captions(steps),
-        "moments": [list(moment) for moment in moments(steps)],
+        "captions": captions(steps, lab),
+        "moments": [list(moment) for moment in moments(steps, lab)],
     }
 
 

@@ -12,7 +12,7 @@ function sector(radius, degrees) {
 
 class Lab {
   constructor() {
-    const { size, tiles, rooms, flag } = STORY;
+    const { size: [width, height], tiles, rooms, flag } = STORY;
     const area = (kind) => svg("rect", { class: kind });
     [this.goal, this.reached] = [area("goal"), area("reached")];
     this.flag = svg("g", { class: "flag" }, svg("polygon", { class: "cloth", points: points(flag.cloth) }), svg("polyline", { class: "pole", points: points(flag.pole) }));
@@ -25,11 +25,11 @@ class Lab {
     this.robot = svg("g", { class: "robot" }, nose(), svg("rect", { x: -0.58, y: -0.58, width: 1.16, height: 1.16, rx: 0.25 }));
     this.words = svg("text", { "text-anchor": "middle", x: 0, y: -1.42 });
     this.bubble = svg("g", { class: "bubble" }, svg("path", { d: "M-2,-2.5 H2 Q2.3,-2.5 2.3,-2.2 V-1.4 Q2.3,-1.1 2,-1.1 H0.4 L0,-0.65 L-0.1,-1.1 H-2 Q-2.3,-1.1 -2.3,-1.4 V-2.2 Q-2.3,-2.5 -2,-2.5 Z" }), this.words);
-    this.node = svg("svg", { class: "lab", viewBox: `-0.3 -0.3 ${size + 0.6} ${size + 0.6}`, role: "img", "aria-label": "The lab from above" },
-      svg("rect", { class: "floor", width: size, height: size }), this.goal, this.reached,
+    this.node = svg("svg", { class: "lab", viewBox: `-0.3 -0.3 ${width + 0.6} ${height + 0.6}`, role: "img", "aria-label": "The lab from above" },
+      svg("rect", { class: "floor", width, height }), this.goal, this.reached,
       ...tiles.map((ends) => svg("polyline", { class: "tile", points: points(ends) })),
       ...rooms.map(([x, y, width, height]) => svg("rect", { class: "wall", x, y, width, height })), ...this.names,
-      this.flag, svg("svg", { class: "within", width: size, height: size }, this.sight), this.trails.human, this.trails.robot, this.desired, this.human, this.robot, this.bubble);
+      this.flag, svg("svg", { class: "within", width, height }, this.sight), this.trails.human, this.trails.robot, this.desired, this.human, this.robot, this.bubble);
   }
 
   // Draw the trial at `time`: step floor(time), on its way to the next.
@@ -67,6 +67,6 @@ class Lab {
     const said = scene.said[step] ?? "";
     this.bubble.classList.toggle("shown", said !== "");
     this.words.textContent = said;
-    put(this.bubble, Math.min(STORY.size - 2.4, Math.max(2.4, robot[0])), Math.max(2.6, robot[1]));
+    put(this.bubble, Math.min(STORY.size[0] - 2.4, Math.max(2.4, robot[0])), Math.max(2.6, robot[1]));
   }
 }

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from visitlab_cli.colours import PALETTE
+from visitlab_cli.config.experiment import lab_of
 from visitlab_cli.report.choices import Choices
 from visitlab_cli.report.curves import Chart
 from visitlab_cli.report.differences import against_script, differences
@@ -24,6 +25,7 @@ from visitlab_cli.scene.sight import FACES_DEGREES, SEES_DEGREES
 from visitlab_cli.scene.words import LEVEL_NAMES
 from visitlab_cli.storage.on_disk import OF_REPORT
 from visitlab_cli.world.enums import DISTANCE_NAMES
+from visitlab_cli.world.lab import Lab
 
 HERE = Path(__file__).parent
 STYLES = ("page.css", "tables.css", "parts.css")
@@ -58,7 +60,7 @@ def render(facts: Facts, curves: Sequence[Chart], trials: Sequence[dict[str, Any
         "charts": [chart.as_json() for chart in curves],
         "choices": choices.as_json(),
         "trials": list(trials),
-        "story": _story(),
+        "story": _story(lab_of(facts.cells[0].settings)),
     }
     body = element(
         "body",
@@ -117,16 +119,18 @@ def _data(values: Any) -> Html:
     return element("script", Html(escaped), type="application/json", id="data")
 
 
-def _story() -> dict[str, Any]:
+def _story(lab: Lab) -> dict[str, Any]:
     """The words and colours of a trial, and the lab's shapes."""
-    place = lab_shapes()
-    flag = {str(shape.role): shape.points.tolist() for shape in goal_shapes(0) if isinstance(shape, Line | Polygon)}
+    place = lab_shapes(lab)
+    flag = {
+        str(shape.role): shape.points.tolist() for shape in goal_shapes(lab, 0) if isinstance(shape, Line | Polygon)
+    }
     return {
         "levels": list(zip(LEVEL_NAMES, map(css, LEVEL_COLOURS), strict=True)),
         "distances": DISTANCE_NAMES,
         "rooms": [[*each.corner.tolist(), *each.size.tolist(), each.text] for each in _areas(place, Role.ROOM)],
         "tiles": [shape.points.tolist() for shape in place if isinstance(shape, Line)],
-        "size": _areas(place, Role.FLOOR)[0].size[0].item(),
+        "size": _areas(place, Role.FLOOR)[0].size.tolist(),
         "flag": flag,
         "colours": {"robot": css(ROBOT), "human": css(HUMAN), "goal": css(GOAL), "desired": css(DESIRED)},
         "sees": SEES_DEGREES,

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from visitlab_cli.config.experiment import lab_of
 from visitlab_cli.errors import NotFoundError
 from visitlab_cli.log.reader import check_values, read_steps
 from visitlab_cli.log.tables import to_arrow
@@ -36,7 +37,7 @@ def steps_of(run: Path, cell: Cell, columns: Sequence[str] | None = None) -> Any
     if not (folder / STEPS).is_file():
         raise NotFoundError(f"{folder}: has no log, its config records no steps; run it with record.steps=every")
     steps = read_steps(folder / STEPS, columns)
-    check_values(folder / STEPS, steps)
+    check_values(folder / STEPS, steps, lab_of(cell.settings))
     return to_arrow(steps, named=True)
 
 

@@ -5,54 +5,52 @@ import numpy as np
 from visitlab_cli.scene.colours import FLAG, FLOOR, GOAL_FLOOR, INK, REACHED_FLOOR, TILE, WALL
 from visitlab_cli.scene.shapes import Area, Line, Polygon, Role, Shape, Style, Vectors
 from visitlab_cli.scene.words import room_name
-from visitlab_cli.world.lab import LAB_SIZE, N_ROOMS, ROOM_SIZE, ROOMS_PER_SIDE
+from visitlab_cli.world.lab import Lab, box_of
 
 TILE_SIDE = 4
 """Of the tiles of an open floor, in cells; in the lab each cell is one."""
-FLAG_FOOT = (6.2, 2.4)
-"""Where a goal room's flag stands, from the room's corner."""
+FLAG_FOOT = (1.8, 2.4)
+"""Where a goal room's flag stands: how far west and south of the room's north-eastern corner."""
 POLE = ((0.0, 0.0), (0.0, -1.9))
 CLOTH = ((0.0, -1.9), (1.4, -1.4), (0.0, -0.9))
 """Points of the flag, from its foot."""
 
 
-def lab_shapes() -> list[Shape]:
-    """The lab: its floor of cells, and its rooms."""
-    rooms = [_room(Role.ROOM, room, Style(WALL, 0.12), room_name(room)) for room in range(N_ROOMS)]
-    return [_floor(LAB_SIZE), *_tiles((0, LAB_SIZE), (0, LAB_SIZE), 1), *rooms]
+def lab_shapes(lab: Lab) -> list[Shape]:
+    """The lab: its floor of cells, and its rooms, each as the rectangle around it."""
+    rooms = [_room(lab, Role.ROOM, room, Style(WALL, 0.12), room_name(room)) for room in range(lab.n_rooms)]
+    return [_floor(lab.cols, lab.rows), *_tiles((0, lab.cols), (0, lab.rows), 1), *rooms]
 
 
 def arena_shapes(size: int, x_range: tuple[float, float], y_range: tuple[float, float]) -> list[Shape]:
     """An open floor of `size` cells a side, with tiles where it is seen."""
-    return [_floor(size), *_tiles(_inside(x_range, size), _inside(y_range, size), TILE_SIDE)]
+    return [_floor(size, size), *_tiles(_inside(x_range, size), _inside(y_range, size), TILE_SIDE)]
 
 
-def goal_shapes(room: int) -> list[Shape]:
+def goal_shapes(lab: Lab, room: int) -> list[Shape]:
     """The goal room and its flag."""
-    foot = _corner(room) + np.array(FLAG_FOOT, np.float32)
+    goal = _room(lab, Role.GOAL, room, Style(GOAL_FLOOR))
+    west, south = FLAG_FOOT
+    foot = goal.corner + np.array([goal.size[0].item() - west, south], np.float32)
     return [
-        _room(Role.GOAL, room, Style(GOAL_FLOOR)),
+        goal,
         Polygon(Role.CLOTH, foot + np.array(CLOTH, np.float32), Style(FLAG)),
         Line(Role.POLE, foot + np.array(POLE, np.float32), Style(INK, 0.14)),
     ]
 
 
-def reached_shape(room: int) -> Shape:
+def reached_shape(lab: Lab, room: int) -> Shape:
     """The room in which a goal was just reached."""
-    return _room(Role.REACHED, room, Style(REACHED_FLOOR))
+    return _room(lab, Role.REACHED, room, Style(REACHED_FLOOR))
 
 
-def _floor(size: int) -> Area:
-    return Area(Role.FLOOR, _vector(0, 0), _vector(size, size), Style(FLOOR, 0.12))
+def _floor(width: int, height: int) -> Area:
+    return Area(Role.FLOOR, _vector(0, 0), _vector(width, height), Style(FLOOR, 0.12))
 
 
-def _room(role: Role, room: int, style: Style, text: str = "") -> Area:
-    return Area(role, _corner(room), _vector(ROOM_SIZE, ROOM_SIZE), style, text)
-
-
-def _corner(room: int) -> Vectors:
-    """The north-western corner of a room."""
-    return _vector(room % ROOMS_PER_SIDE * ROOM_SIZE, room // ROOMS_PER_SIDE * ROOM_SIZE)
+def _room(lab: Lab, role: Role, room: int, style: Style, text: str = "") -> Area:
+    box = box_of(lab, room)
+    return Area(role, _vector(box.col, box.row), _vector(box.cols, box.rows), style, text)
 
 
 def _tiles(xs: tuple[int, int], ys: tuple[int, int], side: int) -> list[Line]:

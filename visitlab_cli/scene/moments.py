@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 from visitlab_cli.scene.words import ENGAGED, Steps, there_already
 from visitlab_cli.world.enums import InteractionLevel
+from visitlab_cli.world.lab import Lab
 
 
 class Moment(NamedTuple):
@@ -25,32 +26,32 @@ MOST_PANELS = 12
 """As many panels as a strip of one page has."""
 
 
-def moments(steps: Steps) -> list[Moment]:
-    """The moments of a trial in their order; of unbroken rewards in a training only the first is one."""
-    return list(_moments(steps))
+def moments(steps: Steps, lab: Lab) -> list[Moment]:
+    """The moments of a trial in `lab` in their order; of unbroken rewards in a training only the first is one."""
+    return list(_moments(steps, lab))
 
 
-def strip_steps(steps: Steps) -> list[int]:
+def strip_steps(steps: Steps, lab: Lab) -> list[int]:
     """The steps that a comic strip shows: how the trial begins, then its first moments."""
-    return sorted({0, *(moment.step for moment in moments(steps))})[:MOST_PANELS]
+    return sorted({0, *(moment.step for moment in moments(steps, lab))})[:MOST_PANELS]
 
 
-def left_out(steps: Steps, shown: Sequence[int]) -> str:
+def left_out(steps: Steps, shown: Sequence[int], lab: Lab) -> str:
     """What a strip that shows these steps does not: '7 more steps with a moment, up to step 93'; empty if nothing."""
-    others = {moment.step for moment in moments(steps)} - set(shown)
+    others = {moment.step for moment in moments(steps, lab)} - set(shown)
     count = f"{len(others)} more step{'' if len(others) == 1 else 's'}"
     return f"{count} with a moment, up to step {max(others)}" if others else ""
 
 
-def facts(steps: Steps) -> dict[str, int]:
+def facts(steps: Steps, lab: Lab) -> dict[str, int]:
     """The step of the first moment of each kind in `FACTS`, as far as the trial has them."""
     first: dict[str, int] = {}
-    for moment in moments(steps):
+    for moment in moments(steps, lab):
         first.setdefault(moment.kind, moment.step)
     return {kind: first[kind] for kind in FACTS if kind in first}
 
 
-def _moments(steps: Steps) -> Iterator[Moment]:
+def _moments(steps: Steps, lab: Lab) -> Iterator[Moment]:
     levels, rewards = steps.get("interaction_level"), steps["reward"]
     unseen = True
     for step in range(len(rewards)):
@@ -66,10 +67,10 @@ def _moments(steps: Steps) -> Iterator[Moment]:
             if after >= ENGAGED and after != before:
                 yield Moment(step, (GREETED, CALLED, FOLLOWING)[after - ENGAGED])
         if step and rewards[step] > 0 and ("executed_action" in steps or rewards[step - 1] == 0):
-            yield Moment(step, _rewarded(steps, step))
+            yield Moment(step, _rewarded(steps, step, lab))
 
 
-def _rewarded(steps: Steps, step: int) -> str:
-    if there_already(steps, step):
+def _rewarded(steps: Steps, step: int, lab: Lab) -> str:
+    if there_already(steps, step, lab):
         return BEGAN_THERE
     return REACHED if "goal_room" in steps else REWARDED

@@ -12,7 +12,6 @@ from visitlab_cli.scene.trial import Trial
 from visitlab_cli.scene.view import sign_to, view_of
 from visitlab_cli.scene.words import GESTURES, executed
 from visitlab_cli.world.enums import Action
-from visitlab_cli.world.tasks import VISIT
 
 COLOURS = {"robot": ROBOT, "human": HUMAN}
 BODIES = {"robot": Role.ROBOT, "human": Role.HUMAN}
@@ -40,7 +39,7 @@ class Scene:
 
     def place(self) -> list[Shape]:
         """What stays as it is: floor, tiles, rooms."""
-        return lab_shapes() if self.trial.has_rooms else arena_shapes(self.trial.size, *self.view)
+        return lab_shapes(self.trial.lab) if self.trial.has_rooms else arena_shapes(self.trial.rows, *self.view)
 
     def moment(self, step: int) -> list[Shape]:
         """What is to be seen after a step; of step 0 how the trial begins."""
@@ -55,11 +54,11 @@ class Scene:
         return self.trial.has_human and bool((self._places["robot"][step] == self._places["human"][step]).all())
 
     def _moment(self, step: int) -> Iterator[Shape]:
-        steps = self.trial.steps
+        steps, lab = self.trial.steps, self.trial.lab
         if self.trial.has_goal:
-            yield from goal_shapes(int(steps["goal_room"][step]))
-            if self.trial.task == VISIT and step and steps["reward"][step] > 0:
-                yield reached_shape(int(steps["goal_room"][step - 1]))
+            yield from goal_shapes(lab, int(steps["goal_room"][step]))
+            if self.trial.plays.counts_goals and step and steps["reward"][step] > 0:
+                yield reached_shape(lab, int(steps["goal_room"][step - 1]))
         if self.trial.has_human:
             yield self._sight(step)
         for who in self._who:
@@ -92,7 +91,7 @@ class Scene:
     def _sight(self, step: int) -> Sight:
         trial = self.trial
         row, col, heading = (int(trial.steps[f"human_{name}"][step]) for name in ("row", "col", "heading"))
-        cells = cells_seen(row, col, heading, trial.size, trial.distances)
+        cells = cells_seen(row, col, heading, (trial.rows, trial.cols), trial.distances)
         near = fields_around(trial.distances)[1]
         corner = np.array([col - REACH, row - REACH], np.float32)
         return Sight(Role.SIGHT, self._places["human"][step], heading, corner, cells, near, float(trial.distances[-1]))

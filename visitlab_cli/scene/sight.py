@@ -44,10 +44,12 @@ def fields_around(distances: tuple[int, ...]) -> tuple[npt.NDArray[np.uint8], np
     return fields.astype(np.uint8), near
 
 
-def cells_seen(row: int, col: int, heading: int, size: int, distances: tuple[int, ...]) -> npt.NDArray[np.uint8]:
-    """Classes of the cells around a human in a world of `size` cells a side, shape (2 REACH + 1, 2 REACH + 1)."""
+def cells_seen(
+    row: int, col: int, heading: int, world: tuple[int, int], distances: tuple[int, ...]
+) -> npt.NDArray[np.uint8]:
+    """Classes of the cells around a human in a `world` of (rows, cols), shape (2 REACH + 1, 2 REACH + 1)."""
     around = np.arange(-REACH, REACH + 1)
     rows, cols = row + around, col + around
-    inside = ((rows >= 0) & (rows < size))[:, None] & ((cols >= 0) & (cols < size))
+    inside = ((rows >= 0) & (rows < world[0]))[:, None] & ((cols >= 0) & (cols < world[1]))
     seen: npt.NDArray[np.uint8] = fields_around(distances)[0][heading] * inside
     return seen

@@ -1,4 +1,4 @@
-"""One recorded trial with what is needed to draw it: its steps, the world's size, the distances that count."""
+"""One recorded trial with what is needed to draw it: its steps, its lab or arena, the distances that count."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,10 +15,11 @@ from visitlab_cli.log.schema import CONFIG_NAME
 from visitlab_cli.scene.words import Steps
 from visitlab_cli.storage.arrays import read_model
 from visitlab_cli.storage.cell_folder import MODEL
+from visitlab_cli.world.columns import ENGAGEMENT, GOAL, HUMAN
 from visitlab_cli.world.geometry import DISTANCES
-from visitlab_cli.world.lab import COL_STEPS, LAB_SIZE, ROW_STEPS, paper_lab
+from visitlab_cli.world.lab import COL_STEPS, ROW_STEPS, Lab, paper_lab
 from visitlab_cli.world.social import ARENA
-from visitlab_cli.world.tasks import NAVIGATION, SOCIAL, TASKS, VISIT
+from visitlab_cli.world.tasks import SOCIAL, TASKS, Task
 
 Vectors = npt.NDArray[np.float32]
 Values = npt.NDArray[np.float64]
@@ -28,8 +29,9 @@ Values = npt.NDArray[np.float64]
 class Trial:
     """A trial of the log `path`: `number`, `task`, its `cell` and `steps` from step 0 on.
 
-    `size` is the side of the square world in cells, `distances` the four thresholds in cells, `q` what the deciding
-    module had learned in the end, shape (states, actions), where its model is at hand.
+    `lab` is where it plays, or where it would without its own `arena`, the side of an open square in cells.
+    `distances` are the four thresholds in cells, `q` what the deciding module had learned in the end, shape
+    (states, actions), where its model is at hand.
     """
 
     path: Path
@@ -37,9 +39,10 @@ class Trial:
     task: str
     number: int
     steps: Steps
-    size: int
+    lab: Lab
     distances: tuple[int, ...]
     q: Values | None = None
+    arena: int | None = None
 
     @property
     def length(self) -> int:
@@ -52,24 +55,39 @@ class Trial:
         return int(self.steps["step"][-1])
 
     @property
+    def plays(self) -> Task:
+        """The description of its task."""
+        return TASKS[self.task]
+
+    @property
+    def rows(self) -> int:
+        """Cells of its world from north to south."""
+        return self.lab.rows if self.arena is None else self.arena
+
+    @property
+    def cols(self) -> int:
+        """Cells of its world from west to east."""
+        return self.lab.cols if self.arena is None else self.arena
+
+    @property
     def has_human(self) -> bool:
         """Whether there is a human."""
-        return self.task != NAVIGATION
+        return self.plays.has(HUMAN)
 
     @property
     def has_engagement(self) -> bool:
         """Whether the human can be engaged, and led in a desired direction."""
-        return self.task in (SOCIAL, VISIT)
+        return self.plays.has(ENGAGEMENT)
 
     @property
     def has_goal(self) -> bool:
         """Whether there are goal rooms."""
-        return self.task in (NAVIGATION, VISIT)
+        return self.plays.has(GOAL)
 
     @property
     def has_rooms(self) -> bool:
-        """Whether it plays in the lab with its nine rooms."""
-        return self.size == LAB_SIZE and self.task != SOCIAL
+        """Whether it plays in the lab with its rooms."""
+        return self.arena is None
 
     def places(self, who: str) -> Vectors:
         """The middle of the cells of `robot` or `human`, as x and y in cells, y southwards: shape (steps + 1, 2)."""
@@ -96,20 +114,26 @@ def load_trial(path: Path, number: int) -> Trial:
         RunError: it is not a log of visitlab, or damaged.
     """
     steps = read_trial(path, number)
-    check_values(path, steps)
+    lab = lab_of_log(path)
+    check_values(path, steps, lab)
     about = read_metadata(path)
     config = _config(path)
     task, cell = about["task"], about["cell"]
     experiment = config.get("experiments", {}).get(cell.split("/")[0], {})
-    size = int(experiment.get("arena", ARENA)) if task == SOCIAL else LAB_SIZE
+    arena = int(experiment.get("arena", ARENA)) if task == SOCIAL else None
     distances = config.get("interaction", {}).get("distances", DISTANCES)
-    return Trial(path, cell, task, number, steps, size, tuple(distances), _learned(path, task))
+    return Trial(path, cell, task, number, steps, lab, tuple(distances), _learned(path, TASKS[task], lab), arena)
 
 
-def _learned(path: Path, task: str) -> Values | None:
+def lab_of_log(path: Path) -> Lab:
+    """The lab in which the steps of a log were played."""
+    return paper_lab()
+
+
+def _learned(path: Path, task: Task, lab: Lab) -> Values | None:
     """The Q of the model beside the log, if there is a sound one."""
     try:
-        return read_model(path.with_name(MODEL), {"q": floats(*TASKS[task].size(paper_lab()))})["q"]
+        return read_model(path.with_name(MODEL), {"q": floats(*task.size(lab))})["q"]
     except (VisitlabError, KeyError):
         return None
 

@@ -6,7 +6,6 @@ import numpy.typing as npt
 from visitlab_cli.scene.colours import ROBOT
 from visitlab_cli.scene.shapes import Arrow, Role, Style, Vectors
 from visitlab_cli.scene.trial import Trial
-from visitlab_cli.world.lab import LAB_SIZE
 
 Range = tuple[float, float]
 MARGIN = 0.6
@@ -18,8 +17,7 @@ INSET, LENGTH = 1.2, 2.4
 def view_of(trial: Trial) -> tuple[Range, Range]:
     """What is seen of the world, as ranges of x and y in cells: the whole lab, or where the two are."""
     if trial.has_rooms:
-        whole = -MARGIN, LAB_SIZE + MARGIN
-        return whole, whole
+        return (-MARGIN, trial.cols + MARGIN), (-MARGIN, trial.rows + MARGIN)
     places = np.concatenate([trial.places("robot"), trial.places("human")])
     places = places[_together(trial)]
     low, high = places.min(axis=0), places.max(axis=0)

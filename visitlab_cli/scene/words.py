@@ -6,7 +6,7 @@ from typing import Any
 import numpy.typing as npt
 
 from visitlab_cli.world.enums import DISTANCE_NAMES, N_DIRECTIONS, N_MOVES, Action, Direction, InteractionLevel
-from visitlab_cli.world.lab import ROOM_SIZE, ROOMS_PER_SIDE
+from visitlab_cli.world.lab import Lab
 
 Steps = Mapping[str, npt.NDArray[Any]]
 """The columns of one trial, from its step 0 on: for each name of the log an array of shape (steps + 1,)."""
@@ -62,7 +62,7 @@ ENGAGED = InteractionLevel.GREETED
 
 
 def room_name(room: int) -> str:
-    """The name of a goal room, 0..8."""
+    """The name of a goal room."""
     return f"Room {room}"
 
 
@@ -97,18 +97,18 @@ def action_name(steps: Steps, step: int) -> str:
     return _physical(steps, step, action)
 
 
-def captions(steps: Steps) -> list[str]:
+def captions(steps: Steps, lab: Lab) -> list[str]:
     """A sentence for each step: what the robot does, and what the human makes of it; the first says how it begins."""
-    return [caption(steps, step) for step in range(len(steps["step"]))]
+    return [caption(steps, step, lab) for step in range(len(steps["step"]))]
 
 
-def caption(steps: Steps, step: int) -> str:
-    """What happens in a step: 'says hello; the human faces it and now follows it with its gaze'."""
+def caption(steps: Steps, step: int, lab: Lab) -> str:
+    """What happens in a step in `lab`: 'says hello; the human faces it and now follows it with its gaze'."""
     parts = ["the trial begins" if step == 0 else action_name(steps, step)]
     if "human_row" in steps:
         parts.append(_human(steps, step))
     if step > 0 and steps["reward"][step] > 0:
-        parts.append(_rewarded(steps, step))
+        parts.append(_rewarded(steps, step, lab))
     return "; ".join(parts)
 
 
@@ -167,23 +167,23 @@ def _sight(before: int, after: int) -> str:
     return "no longer sees it" if after == InteractionLevel.NOT_SEEN else f"now {_HUMAN_DOES[after]}"
 
 
-def there_already(steps: Steps, step: int) -> bool:
+def there_already(steps: Steps, step: int, lab: Lab) -> bool:
     """Whether a goal of a step was no achievement: who should come to the room began the trial there."""
     if step != 1 or "goal_room" not in steps:
         return False
     who = "human" if "human_row" in steps else "robot"
     row, col = int(steps[f"{who}_row"][0]), int(steps[f"{who}_col"][0])
-    return row // ROOM_SIZE * ROOMS_PER_SIDE + col // ROOM_SIZE == int(steps["goal_room"][0])
+    return int(lab.rooms[row, col]) == int(steps["goal_room"][0])
 
 
-def _rewarded(steps: Steps, step: int) -> str:
+def _rewarded(steps: Steps, step: int, lab: Lab) -> str:
     if "executed_action" in steps:
         reached, following = room_name(steps["goal_room"][step - 1]), room_name(steps["goal_room"][step])
-        how = f"the human began in goal {reached}" if there_already(steps, step) else f"goal reached in {reached}"
+        how = f"the human began in goal {reached}" if there_already(steps, step, lab) else f"goal reached in {reached}"
         return f"{how}, the next is {following}"
     if "desired_direction" in steps:
         return f"rewarded: the human went {direction_name(steps['desired_direction'][step - 1])}"
     if "goal_room" not in steps:
         return "rewarded: in view"
-    began = ", where it began" if there_already(steps, step) else ""
+    began = ", where it began" if there_already(steps, step, lab) else ""
     return f"rewarded: in {room_name(steps['goal_room'][step])}{began}"

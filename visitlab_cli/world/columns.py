@@ -63,7 +63,9 @@ class StepColumns(NamedTuple):
     distance: Annotated[Bytes, Column(UINT32, HUMAN, f"category of the distance: {_DISTANCES}")]
     angle: Annotated[Bytes, Column(ENUM, HUMAN, "direction from the robot to the human", Direction)]
     desired_direction: Annotated[Bytes, Column(ENUM, ENGAGEMENT, "where the human should go", Direction)]
-    goal_room: Annotated[Bytes, Column(UINT32, GOAL, "0..8, row by row from the north-west")]
+    goal_room: Annotated[
+        Bytes, Column(UINT32, GOAL, "number of the room, 0..8 in the paper's lab: row by row from the north-west")
+    ]
 
 
 def _columns() -> tuple[Column, ...]:

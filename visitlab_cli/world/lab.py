@@ -19,11 +19,6 @@ Cell = tuple[int, int]
 Wall = tuple[Cell, Cell]
 """Between two straight neighbours."""
 
-ROOM_SIZE = 8
-ROOMS_PER_SIDE = 3
-N_ROOMS = ROOMS_PER_SIDE**2
-LAB_SIZE = ROOM_SIZE * ROOMS_PER_SIDE
-
 ALL_OPEN = -1
 """The doors of a scene in which none is shut: every bit set."""
 MOST_DOORS = 64
@@ -48,7 +43,10 @@ class Doors(NamedTuple):
 
 
 class Lab(NamedTuple):
-    """A lab as kernels see it; arrays over cells have the shape (rows, cols), over unit steps (rows, cols, 8)."""
+    """A lab as kernels see it; arrays over cells have the shape (rows, cols), over unit steps (rows, cols, 8).
+
+    A lab is the same as itself only, so that what is computed of it can be kept.
+    """
 
     rows: int
     cols: int
@@ -56,6 +54,24 @@ class Lab(NamedTuple):
     rooms: npt.NDArray[np.int64]  # the room of a cell, 0..n_rooms-1
     reach: npt.NDArray[np.int64]  # unit steps from a cell, at most 3, that stay inside and cross no wall
     doors: NoDoors | Doors
+
+    def __eq__(self, other: object) -> bool:
+        return self is other
+
+    def __ne__(self, other: object) -> bool:
+        return self is not other
+
+    def __hash__(self) -> int:
+        return id(self)
+
+
+class Box(NamedTuple):
+    """A rectangle of cells, from its north-western one on."""
+
+    row: int
+    col: int
+    rows: int
+    cols: int
 
 
 def make_lab(
@@ -134,11 +150,18 @@ def _crossing(rows: int, cols: int, walls: Iterable[Wall]) -> npt.NDArray[np.boo
     return crossing
 
 
+def box_of(lab: Lab, room: int) -> Box:
+    """The smallest rectangle around the cells of a room."""
+    rows, cols = np.nonzero(lab.rooms == room)
+    row, col = int(rows.min()), int(cols.min())
+    return Box(row, col, int(rows.max()) + 1 - row, int(cols.max()) + 1 - col)
+
+
 @cache
 def paper_lab() -> Lab:
     """The paper's: 3 x 3 rooms of 8 x 8 cells, numbered row by row from the north-west, without walls."""
-    rows = np.arange(LAB_SIZE) // ROOM_SIZE
-    return make_lab(LAB_SIZE, LAB_SIZE, rooms=rows[:, None] * ROOMS_PER_SIDE + rows[None, :])
+    rows = np.arange(24) // 8
+    return make_lab(24, 24, rooms=rows[:, None] * 3 + rows[None, :])
 
 
 def _before_shut(doors, row, col, direction, steps, open_doors):  # type: ignore[no-untyped-def]

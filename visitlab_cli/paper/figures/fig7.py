@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from visitlab_cli.config.experiment import lab_of
 from visitlab_cli.exact.navigation import navigation_optimal_q
 from visitlab_cli.paper.figures.source import Floats, Group, Source
 from visitlab_cli.pictures.drawing import Drawing
@@ -13,7 +14,7 @@ from visitlab_cli.pictures.style import FONT_SIZE, GREEN, GREY, INK, PAGE, VERMI
 from visitlab_cli.results.estimates import half_width
 from visitlab_cli.scene.words import room_name
 from visitlab_cli.world.enums import MAX_SPEED
-from visitlab_cli.world.lab import LAB_SIZE, N_ROOMS, ROOM_SIZE, ROOMS_PER_SIDE
+from visitlab_cli.world.lab import Lab, box_of
 from visitlab_cli.world.tasks import NAVIGATION
 
 if TYPE_CHECKING:
@@ -25,7 +26,7 @@ Integers = npt.NDArray[np.int64]
 
 EXPERIMENT = "navigation_observed"
 LEARNERS = {"mf": "alone", "mf_watching_mb": "watching model-based", "mf_watching_rmax": "watching R-max"}
-EXAMPLE_ROOM = ROOMS_PER_SIDE - 1  # in the north-east, as in the paper
+EXAMPLE_ROOM = 2  # in the north-east, as in the paper
 COLOUR_MAP = "viridis"
 GAMMA = 0.9  # of an agent that discounts nothing
 FULL, BETWEEN = GREEN, "#A6D8C9"
@@ -41,26 +42,25 @@ class Ratios(NamedTuple):
     half: Floats
 
 
-def distances() -> Integers:
+def distances(lab: Lab) -> Integers:
     """Speed-1 actions until the first reward from each cell, shape (goal rooms, cells): 1 inside and beside it."""
-    rows, cols = np.divmod(np.arange(LAB_SIZE**2), LAB_SIZE)
-    rooms = np.arange(N_ROOMS)[:, None]
-    north, west = rooms // ROOMS_PER_SIDE * ROOM_SIZE, rooms % ROOMS_PER_SIDE * ROOM_SIZE
-    last = ROOM_SIZE - 1
-    beyond = [north - rows, rows - north - last, west - cols, cols - west - last]
-    steps: Integers = np.maximum.reduce([*beyond, np.ones_like(beyond[0])])
+    cells = np.stack(np.divmod(np.arange(lab.rows * lab.cols), lab.cols), axis=1)
+    ends = [cells[lab.rooms.ravel() == room] for room in range(lab.n_rooms)]
+    away = [np.abs(cells[:, None] - inside).max(axis=2).min(axis=1) for inside in ends]
+    steps: Integers = np.maximum(np.stack(away), 1)
     return steps
 
 
-def ratios(tables: Floats, optimal: Floats) -> Ratios:
+def ratios(tables: Floats, optimal: Floats, lab: Lab) -> Ratios:
     """Learned over optimal value of a state by its distance, over all states of all goal rooms.
 
     Args:
         tables: Q of each run, shape (runs, states, actions).
         optimal: shape (states, actions).
+        lab: without walls.
     """
     share = tables.max(axis=2) / optimal.max(axis=1)
-    of_state = distances().ravel()
+    of_state = distances(lab).ravel()
     steps = np.unique(of_state)
     of_run = np.stack([share[:, of_state == step].mean(axis=1) for step in steps], axis=1)
     return Ratios(steps, of_run.mean(axis=0), half_width(of_run))
@@ -82,15 +82,16 @@ def _draw(groups: Sequence[Group]) -> "Figure":
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(PAGE, HEIGHT), layout="constrained")
+    lab = lab_of(groups[0].cells[0].settings)
     upper, lower = figure.subplots(2, len(groups), squeeze=False, height_ratios=HEIGHT_RATIOS)
     for maps, bars, group in zip(upper, lower, groups, strict=True):
-        optimal, tables = navigation_optimal_q(gamma_of(group)), group.tables()
-        image = _draw_map(maps, tables[0], float(optimal.max()))
+        optimal, tables = navigation_optimal_q(gamma_of(group), lab), group.tables()
+        image = _draw_map(maps, tables[0], float(optimal.max()), lab)
         maps.set_title(f"Model-free, {LEARNERS[group.cells[0].agent]}", loc="left", fontsize=FONT_SIZE)
-        _draw_ratios(bars, ratios(tables, optimal), group.name)
+        _draw_ratios(bars, ratios(tables, optimal, lab), group.name)
     sizes = " to ".join(dict.fromkeys(str(size) for size in sorted({len(group.cells) for group in groups})))
     upper[0].set_ylabel(f"row\n(one run, goal {room_name(EXAMPLE_ROOM)}, outlined)")
-    lower[0].set_ylabel(f"learned / optimal value\n({N_ROOMS} goal rooms, n = {sizes} runs)")
+    lower[0].set_ylabel(f"learned / optimal value\n({lab.n_rooms} goal rooms, n = {sizes} runs)")
     handles, labels = lower[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=2, columnspacing=2.5)
     bar = figure.colorbar(image, ax=list(upper), shrink=0.9, pad=0.015)
@@ -106,17 +107,20 @@ def gamma_of(group: Group) -> float:
     return float(getattr(parameters, "gamma", GAMMA))
 
 
-def _draw_map(axes: "Axes", table: Floats, highest: float) -> "AxesImage":
+def _draw_map(axes: "Axes", table: Floats, highest: float, lab: Lab) -> "AxesImage":
     """The best value of each cell, north up."""
-    values = table.max(axis=1).reshape(N_ROOMS, LAB_SIZE, LAB_SIZE)[EXAMPLE_ROOM]
-    image = axes.imshow(values, cmap=COLOUR_MAP, vmin=0, vmax=highest, extent=(0, LAB_SIZE, LAB_SIZE, 0))
-    for line in range(ROOM_SIZE, LAB_SIZE, ROOM_SIZE):
+    values = table.max(axis=1).reshape(lab.n_rooms, lab.rows, lab.cols)[EXAMPLE_ROOM]
+    image = axes.imshow(values, cmap=COLOUR_MAP, vmin=0, vmax=highest, extent=(0, lab.cols, lab.rows, 0))
+    boxes = [box_of(lab, room) for room in range(lab.n_rooms)]
+    cols, rows = sorted({box.col for box in boxes}), sorted({box.row for box in boxes})
+    for line in cols[1:]:
         axes.axvline(line, color="white", linewidth=0.4, alpha=0.6)
+    for line in rows[1:]:
         axes.axhline(line, color="white", linewidth=0.4, alpha=0.6)
-    west, north = EXAMPLE_ROOM % ROOMS_PER_SIDE * ROOM_SIZE, EXAMPLE_ROOM // ROOMS_PER_SIDE * ROOM_SIZE
-    east, south = west + ROOM_SIZE, north + ROOM_SIZE
+    north, west, height, width = boxes[EXAMPLE_ROOM]
+    east, south = west + width, north + height
     axes.plot([west, east, east, west, west], [north, north, south, south, north], color=VERMILION, clip_on=False)
-    axes.set(xticks=range(0, LAB_SIZE + 1, ROOM_SIZE), yticks=range(0, LAB_SIZE + 1, ROOM_SIZE), xlabel="column")
+    axes.set(xticks=[*cols, lab.cols], yticks=[*rows, lab.rows], xlabel="column")
     axes.spines[:].set_visible(False)
     return image
 

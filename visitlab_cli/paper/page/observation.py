@@ -1,5 +1,6 @@
 """Fig. 7 in numbers: the jump at every third distance."""
 
+from visitlab_cli.config.experiment import lab_of
 from visitlab_cli.exact.navigation import navigation_optimal_q
 from visitlab_cli.paper.figures.fig7 import EXPERIMENT, LEARNERS, gamma_of, ratios
 from visitlab_cli.paper.page.evidence import Evidence
@@ -17,7 +18,8 @@ def jump_table(evidence: Evidence) -> str:
         group = evidence.source.groups.get(f"{EXPERIMENT}/{agent}")
         if group is None:
             continue
-        found = ratios(group.tables(), navigation_optimal_q(gamma_of(group)))
+        lab = lab_of(group.cells[0].settings)
+        found = ratios(group.tables(), navigation_optimal_q(gamma_of(group), lab), lab)
         shown = found.distance <= SHOWN
         whole = found.distance % MAX_SPEED == 0
         means = [found.mean[shown & chosen].mean() for chosen in (whole, ~whole)]
