@@ -2,9 +2,12 @@
 
 import hashlib
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
+
+from visitlab_cli.sources import PACKAGE
 
 TINY = Path(__file__).with_name("tiny.yaml")
 COMMAND = [sys.executable, "-m", "visitlab_cli"]
@@ -30,6 +33,21 @@ def start(*arguments, cwd=None, env=None):
         text=True,
         start_new_session=True,
     )
+
+
+class Clone:
+    """A copy of the program with files added: it runs in `folder`, uncompiled unless told otherwise."""
+
+    def __init__(self, folder, files):
+        self.folder, self.package = folder, folder / "clone" / "visitlab_cli"
+        shutil.copytree(PACKAGE, self.package, ignore=shutil.ignore_patterns("__pycache__"))
+        for path, text in files.items():
+            (self.package / path).write_text(text)
+
+    def __call__(self, *arguments, **environment):
+        """Run it to its end, as `visitlab`."""
+        surroundings = {"NUMBA_DISABLE_JIT": "1", "PYTHONPATH": str(self.package.parent)} | environment
+        return visitlab(*arguments, cwd=self.folder, env=surroundings)
 
 
 def the_run(out):

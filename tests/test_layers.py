@@ -9,7 +9,7 @@ import visitlab_cli
 
 PACKAGE = Path(visitlab_cli.__file__).parent
 FLOORS = [
-    {"__init__", "errors", "settings", "sources", "stopping"},
+    {"__init__", "errors", "kinds", "settings", "sources", "stopping"},
     {"surroundings", "terminal"},
     {"same_pictures", "whole_file", "wording"},
     {"yaml"},

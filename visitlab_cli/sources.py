@@ -16,6 +16,7 @@ DECIDING = (
     "config",
     "execution",
     "humans",
+    "kinds.py",
     "log",
     "plan",
     "random_numbers.py",

@@ -1,14 +1,10 @@
 """A kind of agent that somebody adds to the program: everything that reads a config meets it."""
 
 import json
-import os
-import shutil
-import subprocess
 
 import pytest
 
-from tests.program import COMMAND, the_run
-from visitlab_cli.sources import PACKAGE
+from tests.program import Clone, the_run
 
 KIND = '''"""A kind with a setting that Python has no name for, and no word of what it costs."""
 
@@ -48,41 +44,22 @@ vary: {agents.two.lambda: [0.125, 1]}
 
 @pytest.fixture
 def program(tmp_path):
-    """Runs a clone to which the kind was added: the finished process."""
-    package = tmp_path / "clone" / "visitlab_cli"
-    shutil.copytree(PACKAGE, package, ignore=shutil.ignore_patterns("__pycache__"))
-    (package / "agents" / "traces.py").write_text(KIND)
-    registry = package / "agents" / "registry.py"
-    text = registry.read_text().replace("    | ScriptedParameters", "    | ScriptedParameters\n    | TracesParameters")
-    line = "from visitlab_cli.agents.traces import TracesParameters\n"
-    registry.write_text(text.replace("\nAnyAgent", f"{line}\nAnyAgent"))
+    """A clone to which the kind was added."""
     (tmp_path / "added.yaml").write_text(CONFIG)
-    surroundings = os.environ | {"NUMBA_DISABLE_JIT": "1", "PYTHONPATH": str(package.parent), "NO_COLOR": "1"}
-
-    def run(*arguments, hashseed="0"):
-        return subprocess.run(
-            [*COMMAND, *map(str, arguments)],
-            cwd=tmp_path,
-            env=surroundings | {"PYTHONHASHSEED": hashseed},
-            capture_output=True,
-            text=True,
-            check=False,
-        )
-
-    return run
+    return Clone(tmp_path, {"agents/traces.py": KIND})
 
 
 def test_it_is_estimated_run_verified_and_compared_under_its_own_words(program, tmp_path):
     planned = program("run", "added.yaml", "--dry-run", "--json")
     assert (planned.returncode, json.loads(planned.stdout)["cells"]) == (0, 3), planned.stderr
     for hashseed in ("1", "2"):
-        done = program("run", "added.yaml", "--workers", 2, hashseed=hashseed)
+        done = program("run", "added.yaml", "--workers", 2, PYTHONHASHSEED=hashseed)
         assert done.returncode == 0, done.stderr
     run = the_run(tmp_path / "runs")
     assert "edited" not in done.stderr
     assert (run / "navigation" / "two" / "agents.two.lambda=1.0" / "seed-0000" / "cell.json").is_file()
     for command in (["runs", "verify", run], ["compare", run, "--by", "agent"]):
-        told = program(*command, hashseed="3")
+        told = program(*command, PYTHONHASHSEED="3")
         assert (told.returncode, told.stderr) == (0, ""), command
     shown = program("validate", "added.yaml", "agents.one.lambda=0.75", "--show").stdout
     assert "lambda: 0.75" in shown

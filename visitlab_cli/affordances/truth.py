@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from visitlab_cli.affordances.counts import KINDS, Kind
+from visitlab_cli.humans.base import HumanParameters
 from visitlab_cli.humans.six_parameters import SixParameters
 from visitlab_cli.random_numbers import random_state
 from visitlab_cli.world.enums import (
@@ -47,8 +48,8 @@ class Truth(NamedTuple):
     high: Table
 
 
-def true_transitions(human: SixParameters, teleports: bool, distances: Sequence[int] = DISTANCES) -> Truth:
-    """The true Fig. 4 of a human.
+def true_transitions(human: HumanParameters, teleports: bool, distances: Sequence[int] = DISTANCES) -> Truth:
+    """The true Fig. 4 of a human; of one whose rules are not the paper's nothing is decided here.
 
     Args:
         human: its parameters.
@@ -57,6 +58,8 @@ def true_transitions(human: SixParameters, teleports: bool, distances: Sequence[
     """
     shape = len(KINDS), N_LEVELS, N_DISTANCES, N_OUTCOMES
     truth = Truth(np.full(shape, np.nan), np.full(shape, np.nan))
+    if type(human) is not SixParameters:
+        return truth
     for index, kind in enumerate(KINDS):
         for level in range(N_LEVELS):
             for distance in range(N_DISTANCES):

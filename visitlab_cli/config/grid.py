@@ -12,6 +12,7 @@ from visitlab_cli.config.canonical import canonical
 from visitlab_cli.config.experiments import Visit
 from visitlab_cli.config.model import Config
 from visitlab_cli.errors import ConfigError
+from visitlab_cli.kinds import KIND
 from visitlab_cli.settings import at_default
 from visitlab_cli.wording import nearest_name, or_else, printable
 from visitlab_cli.yaml.document import Node, split_path
@@ -111,8 +112,8 @@ def _size(plain: Any) -> int:
 
 
 def _forget_defaults(config: Config, parts: Sequence[str], last: str, plain: dict[str, Any]) -> None:
-    """Where an agent's kind or an experiment's task varies, the defaults of what it was are not taken along."""
-    if len(parts) != 2 or (parts[0], last) not in (("agents", "kind"), ("experiments", "task")):
+    """Where an entry's kind or an experiment's task varies, the defaults of what it was are not taken along."""
+    if len(parts) != 2 or (parts[0], last) not in (("humans", KIND), ("agents", KIND), ("experiments", "task")):
         return
     section, name = parts
     for key in at_default(getattr(config, section)[name]):

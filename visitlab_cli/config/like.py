@@ -1,5 +1,6 @@
 """`like`: an entry that starts from another one of the same mapping."""
 
+from visitlab_cli.kinds import KIND, UNSAID
 from visitlab_cli.wording import or_else
 from visitlab_cli.yaml.document import Node
 from visitlab_cli.yaml.problems import Issue, Path, dotted
@@ -40,9 +41,13 @@ class _Chains:
         if self.taken_over > MOST_TAKEN_OVER:
             self.wrong(chain, LIKE, f"all entries together take over more than {MOST_TAKEN_OVER} values")
             return entry.with_entries(own)
-        if "kind" in own and "kind" in base and own["kind"].plain() != base["kind"].plain():
-            self.wrong(chain, "kind", f"must be that of {entry.value[LIKE].value}, which it is like")
+        if KIND in own and base and own[KIND].plain() != self.kind_of(base, own[KIND].plain()):
+            self.wrong(chain, KIND, f"must be that of {entry.value[LIKE].value}, which it is like")
         return entry.with_entries({**base, **own})
+
+    def kind_of(self, base: dict[str, Node], otherwise: object) -> object:
+        """The word of what an entry starts from; of an agent that lacks it, which is told anyway, any will do."""
+        return base[KIND].plain() if KIND in base else UNSAID if self.section == "humans" else otherwise
 
     def base(self, chain: tuple[str, ...], given: object) -> dict[str, Node]:
         """What the last of `chain` starts from."""

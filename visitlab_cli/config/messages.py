@@ -8,11 +8,11 @@ from pydantic_core import ErrorDetails
 
 from visitlab_cli.config.model import Config
 from visitlab_cli.config.names import MODULE_PATTERN, MODULE_RULE, NAME_RULE
+from visitlab_cli.kinds import KIND, UNSAID
 from visitlab_cli.settings import key_of, keys_of
 from visitlab_cli.wording import or_else, shown
 from visitlab_cli.yaml.problems import Issue, Path
 
-TAGGED_SECTIONS = ("agents", "experiments")
 EXTRA_KEYS: dict[str, tuple[str, ...]] = {"": ("include",), "humans": ("like",), "agents": ("like",)}
 """Keys that are resolved before validation."""
 
@@ -88,17 +88,17 @@ def _entries(count: int) -> str:
 
 
 def _wrong_tag(error: ErrorDetails, path: Path) -> Issue:
-    tag = error["ctx"]["discriminator"].strip("'")
+    tag = error["ctx"]["discriminator"].strip("'()")
     if tag not in error["input"]:
         return Issue((*path, tag), "missing")
-    known = error["ctx"]["expected_tags"].replace("'", "").split(", ")
+    known = [each for each in error["ctx"]["expected_tags"].replace("'", "").split(", ") if each != UNSAID]
     given = error["input"][tag]
     return Issue((*path, tag), f"no such {tag}: {shown(given)}{or_else(given, known)}")
 
 
 def _without_tags(loc: Path) -> Path:
     """Pydantic puts the tag of a union after the entry's name; the YAML has no such level."""
-    if loc and loc[0] in TAGGED_SECTIONS and loc[2:] != ("[key]",):
+    if loc and loc[0] in _TAGGED_SECTIONS and loc[2:] != ("[key]",):
         return loc[:2] + loc[3:]
     return loc[:2] + loc[3:] if loc[:2] == ("record", "steps") else loc
 
@@ -109,7 +109,7 @@ def _known_keys(loc: Path) -> Iterator[str]:
     for part in loc:
         field = next((found for name, found in model.model_fields.items() if key_of(model, name) == part), None)
         fitting = list(_models(field.annotation if field else None))
-        if not fitting and loc[0] in TAGGED_SECTIONS:
+        if not fitting and loc[0] in _TAGGED_SECTIONS:
             annotation = Config.model_fields[str(loc[0])].annotation
             fitting = [found for found in _models(annotation) if _has_tag(found, part)]
         if len(fitting) == 1:
@@ -127,7 +127,17 @@ def _models(annotation: Any) -> Iterator[type[BaseModel]]:
 
 
 def _has_tag(model: type[BaseModel], tag: str | int) -> bool:
+    if tag == UNSAID:
+        return KIND not in model.model_fields
     return any(
         get_origin(field.annotation) is Literal and get_args(field.annotation) == (tag,)
         for field in model.model_fields.values()
     )
+
+
+_TAGGED_SECTIONS = [
+    section
+    for section in ("humans", "agents", "experiments")
+    if len(list(_models(Config.model_fields[section].annotation))) > 1
+]
+"""Where the name of an entry is followed by which of several models it is of, in pydantic's paths."""

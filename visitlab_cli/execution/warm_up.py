@@ -13,6 +13,7 @@ from visitlab_cli.config.experiment import lab_of
 from visitlab_cli.execution.build import Simulation, build
 from visitlab_cli.execution.cell_runner import simulate
 from visitlab_cli.kernel_cache import VARIABLE, KernelCache
+from visitlab_cli.kinds import kind
 from visitlab_cli.plan.cells import Cell
 from visitlab_cli.random_numbers import random_state
 from visitlab_cli.stopping import check_asked, nothing_to_lose
@@ -65,6 +66,7 @@ def _pair(cell: Cell) -> str:
     started = bool(cell.modules) and not cell.settings.assembled  # an observer that goes on is of another type
     kinds = [cell.task, agent.kind, "frozen" if cell.frozen else "", "started" if started else ""]
     kinds += [cell.config.agents[getattr(agent, other)].kind for other in agent.references]
+    kinds += [kind(cell.config.humans[cell.human])] if cell.human else []
     return "-".join(filter(None, kinds))
 
 

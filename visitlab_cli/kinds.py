@@ -1,0 +1,58 @@
+"""Kinds of something that a config declares, a class each, found in modules: how a folder or a plug-in adds one.
+
+Which kind an entry is, its `kind` says. One kind may have no such word: an entry without `kind` is of that one.
+"""
+
+import importlib
+import pkgutil
+from collections.abc import Iterator, Mapping
+from types import ModuleType
+from typing import Annotated, Any, TypeVar, Union, get_args
+
+from pydantic import BaseModel, Discriminator, Field, Tag
+
+KIND = "kind"
+UNSAID = ""
+"""Stands for the word of the kind that has none."""
+REGISTRY = "registry"
+"""The module of a folder of kinds that lists them."""
+
+Base = TypeVar("Base", bound=BaseModel)
+
+
+def words_of(kind: type[BaseModel]) -> tuple[str, ...]:
+    """The words that mean a kind."""
+    field = kind.model_fields.get(KIND)
+    return (UNSAID,) if field is None else get_args(field.annotation)
+
+
+def kinds_in(module: ModuleType, base: type[Base]) -> Iterator[tuple[str, type[Base]]]:
+    """The kinds that a module defines, subclasses of `base`, by their words."""
+    for value in vars(module).values():
+        if isinstance(value, type) and issubclass(value, base) and value.__module__ == module.__name__:
+            yield from ((word, value) for word in words_of(value))
+
+
+def built_in(folder: ModuleType, base: type[Base]) -> dict[str, type[Base]]:
+    """The kinds in the modules of a package but for that of `base`, by their words."""
+    names = [f"{folder.__name__}.{file.name}" for file in pkgutil.iter_modules(folder.__path__)]
+    without = (base.__module__, f"{folder.__name__}.{REGISTRY}")
+    modules = [importlib.import_module(name) for name in names if name not in without]
+    return dict(found for module in modules for found in kinds_in(module, base))
+
+
+def any_of(kinds: Mapping[str, type[BaseModel]]) -> Any:
+    """The type of an entry that may be of each of these kinds, for pydantic."""
+    classes = tuple(dict.fromkeys(kinds.values()))
+    if len(classes) == 1:
+        return classes[0]
+    if UNSAID not in kinds:
+        return Annotated[Union[classes], Field(discriminator=KIND)]  # noqa: UP007
+    tagged = tuple(Annotated[each, Tag(word)] for word, each in kinds.items())
+    return Annotated[Union[tagged], Discriminator(kind)]  # noqa: UP007
+
+
+def kind(entry: Any) -> str:
+    """The word of an entry, plain or made; called as the key, by which pydantic names it in its errors."""
+    said = entry.get(KIND, UNSAID) if isinstance(entry, Mapping) else getattr(entry, KIND, UNSAID)
+    return str(said)
