@@ -41,13 +41,19 @@ class Clone:
     def __init__(self, folder, files):
         self.folder, self.package = folder, folder / "clone" / "visitlab_cli"
         shutil.copytree(PACKAGE, self.package, ignore=shutil.ignore_patterns("__pycache__"))
+        self.surroundings = {"NUMBA_DISABLE_JIT": "1", "PYTHONPATH": str(self.package.parent)}
         for path, text in files.items():
             (self.package / path).write_text(text)
 
     def __call__(self, *arguments, **environment):
         """Run it to its end, as `visitlab`."""
-        surroundings = {"NUMBA_DISABLE_JIT": "1", "PYTHONPATH": str(self.package.parent)} | environment
-        return visitlab(*arguments, cwd=self.folder, env=surroundings)
+        return visitlab(*arguments, cwd=self.folder, env=self.surroundings | environment)
+
+    def python(self, code):
+        """What a script says that imports it."""
+        command, environment = [sys.executable, "-c", code], os.environ | self.surroundings
+        done = subprocess.run(command, cwd=self.folder, env=environment, capture_output=True, text=True, check=True)
+        return done.stdout.strip()
 
 
 def the_run(out):

@@ -154,7 +154,7 @@ def test_the_map_turns_the_desired_directions_onto_one_another():
     fast = Action.MOVE_3_EAST + (states.desired_direction + 1) % 8  # 45 degrees left of the desired direction
     q[np.arange(2560), np.where(ahead, fast, Action.COME)] = 2.0
     visits[states.level == InteractionLevel.FOLLOWS] = 1
-    made = policy_map({"q": q, "visits": visits})
+    made = policy_map(q, visits)
     assert (made.action[InteractionLevel.FOLLOWS, :, 0] == Action.MOVE_3_NORTH_EAST).all()
     assert (made.action[InteractionLevel.FOLLOWS, :, 1:] == Action.COME).all()
     assert (made.share[InteractionLevel.FOLLOWS] == 1).all()

@@ -85,7 +85,7 @@ def count_levels(states: npt.ArrayLike, actions: npt.ArrayLike, next_states: npt
 
 
 def learned_counts(model: Mapping[str, npt.NDArray[Any]]) -> Ints:
-    """`count_levels` of the transitions in the arrays of a social `model.npz`."""
+    """`count_levels` of the transitions in the arrays of a social module's learned model."""
     pairs = np.repeat(np.arange(len(model["successor_offsets"]) - 1), np.diff(model["successor_offsets"]))
     states, actions = np.divmod(pairs, N_SOCIAL_ACTIONS)
     return count_levels(states, actions, model["successor_states"], model["successor_counts"])

@@ -12,9 +12,8 @@ from visitlab_cli.affordances.policy import PolicyMap, policy_map
 from visitlab_cli.affordances.truth import FIRST_ENGAGED, Truth, true_transitions
 from visitlab_cli.errors import NotFoundError, RunError
 from visitlab_cli.plan.cells import Cell
-from visitlab_cli.plan.saved import model_of
+from visitlab_cli.plan.saved import models_of, values_of
 from visitlab_cli.plan.selection import Selection
-from visitlab_cli.storage.arrays import Arrays
 from visitlab_cli.storage.cell_folder import read_cell
 from visitlab_cli.world.tasks import SOCIAL
 
@@ -69,14 +68,19 @@ def affordances(run: Path, cells: Sequence[Cell], selection: Selection = FIRST) 
         RunError: a model's file is damaged.
     """
     trained = _chosen(run, cells, selection)
-    model = model_of(run, trained)
-    counts = learned_counts(model)
+    counts, policy = _read(run, trained)
     adaptations: dict[tuple[str, str], Adaptation] = {}
     for visit in _visits_of(run, cells, trained):
         if (visit.experiment, visit.human) not in adaptations:
-            now = model_of(run, visit)
-            adaptations[visit.experiment, visit.human] = _adaptation(visit, counts, now)
-    return Affordances(trained, graph(counts, _truth(trained)), policy_map(model), list(adaptations.values()))
+            adaptations[visit.experiment, visit.human] = _adaptation(run, visit, counts)
+    return Affordances(trained, graph(counts, _truth(trained)), policy, list(adaptations.values()))
+
+
+def _read(run: Path, cell: Cell) -> tuple[Ints, PolicyMap]:
+    """What a social module has seen follow what, and what it would do; of several models by the one it acts by."""
+    for model in models_of(run, cell).values():
+        return learned_counts(model), policy_map(values_of(run, cell), model["visits"])
+    raise NotFoundError(f"{run / cell.path}: {cell.agent} plans, but with no model that it would show")
 
 
 def graph(counts: Ints, truth: Truth) -> Graph:
@@ -106,9 +110,9 @@ def _truth(cell: Cell) -> Truth:
     return true_transitions(cell.config.humans[cell.human], teleports, cell.config.interaction.distances)
 
 
-def _adaptation(visit: Cell, before: Ints, model: Arrays) -> Adaptation:
-    after, truth = learned_counts(model), _truth(visit)
-    return Adaptation(visit, graph(after, truth), graph(after - before, truth), policy_map(model))
+def _adaptation(run: Path, visit: Cell, before: Ints) -> Adaptation:
+    (after, policy), truth = _read(run, visit), _truth(visit)
+    return Adaptation(visit, graph(after, truth), graph(after - before, truth), policy)
 
 
 def _chosen(run: Path, cells: Sequence[Cell], selection: Selection) -> Cell:

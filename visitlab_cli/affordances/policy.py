@@ -4,8 +4,7 @@ The eight desired directions are turned onto one another: directions are told ag
 of a circle, counter-clockwise. A situation is a level, a distance and where the robot stands as seen from the human.
 """
 
-from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -30,9 +29,12 @@ class PolicyMap(NamedTuple):
     value: npt.NDArray[np.float64]
 
 
-def policy_map(model: Mapping[str, npt.NDArray[Any]]) -> PolicyMap:
-    """The map of a social `model.npz`; exact ties share a state's vote, visits are the weights."""
-    q, visits = model["q"], model["visits"].sum(axis=1).astype(np.int64)
+def policy_map(q: npt.NDArray[np.float64], tried: npt.NDArray[np.integer]) -> PolicyMap:
+    """The map of a social module's values and of how often it tried each action, both of shape (states, actions).
+
+    Exact ties share a state's vote, visits are the weights.
+    """
+    visits = tried.sum(axis=1).astype(np.int64)
     state = parts_of(np.arange(len(q)))
     bearing = (state.angle + N_DIRECTIONS // 2 - state.desired_direction) % N_DIRECTIONS
     shape = N_LEVELS, N_DISTANCES, N_DIRECTIONS

@@ -66,6 +66,17 @@ class AgentParameters(Settings):
         """The arrays of a record, with their public names (`q`, `visits`, `reward_sums`, `successor_*`)."""
         raise NotImplementedError
 
+    def values(self, saved: Saved) -> npt.NDArray[np.float64]:
+        """What it believes each action is worth, shape (states, actions): what a visit is steered by, and drawn.
+
+        An array that is called `q` is this and nothing else.
+        """
+        return saved["q"]
+
+    def models(self, saved: Saved) -> dict[str, Saved]:
+        """Its learned models of the world by name, each as `model_arrays` has it, the one it acts by first."""
+        return {}
+
     def arrays(self, setting: "Setting") -> dict[str, Declared]:
         """What each array is that `save` gives, so that no file can hold another.
 

@@ -14,6 +14,7 @@ from visitlab_cli.agents.sparse_model import (
     count,
     declared_model,
     empty_model,
+    model_arrays,
     restored_model,
     saved_model,
     sweep,
@@ -72,13 +73,17 @@ class RMaxParameters(AgentParameters):
         """Q and the learned model."""
         return {"q": record.q, **saved_model(record.model, record.q.shape[1])}
 
+    def models(self, saved: Saved) -> dict[str, Saved]:
+        """The one that it sweeps."""
+        return {"model": model_arrays(saved)}
+
     def arrays(self, setting: Setting) -> dict[str, Declared]:
         """The table and the learned model."""
         return {"q": floats(setting.n_states, setting.n_actions), **declared_model(setting)}
 
     def fault(self, setting: Setting, saved: Saved) -> str | None:
         """Whether the model is one."""
-        return fault_in_model(saved)
+        return fault_in_model(model_arrays(saved))
 
 
 @CHOOSE.of(RMax)

@@ -22,6 +22,10 @@ Ints = npt.NDArray[np.int64]
 Counts = npt.NDArray[np.int32]
 
 
+ARRAYS = ("visits", "reward_sums", "successor_offsets", "successor_states", "successor_counts")
+"""What a model is saved as."""
+
+
 class SparseModel(NamedTuple):
     """Counts and rewards of every (state, action) pair; arrays over pairs have shape (states * actions,)."""
 
@@ -106,35 +110,46 @@ def sweep(model: SparseModel, q: Table, values: Table, gamma: float, known: int,
                 q[state, action] = unvisited
 
 
-def saved_model(model: SparseModel, n_actions: int) -> Saved:
-    """The model as arrays: `visits` and `reward_sums` (states, actions), successors in compressed rows."""
+def saved_model(model: SparseModel, n_actions: int, prefix: str = "") -> Saved:
+    """The model as arrays: `visits` and `reward_sums` (states, actions), successors in compressed rows.
+
+    An agent with several models gives each a `prefix` for the names of its arrays.
+    """
     offsets = np.zeros(len(model.length) + 1, np.int64)
     np.cumsum(model.length, out=offsets[1:])
     places = np.arange(offsets[-1]) + np.repeat(model.first - offsets[:-1], model.length)
-    return {
+    arrays = {
         "visits": model.visits.reshape(-1, n_actions),
         "reward_sums": model.reward_sums.reshape(-1, n_actions),
         "successor_offsets": offsets,
         "successor_states": model.pool_states[places],
         "successor_counts": model.pool_counts[places],
     }
+    return {prefix + name: array for name, array in arrays.items()}
 
 
-def declared_model(setting: Setting) -> dict[str, Declared]:
+def model_arrays(saved: Saved, prefix: str = "") -> Saved:
+    """Those of an agent's arrays that are one model's, by their names without its `prefix`."""
+    return {name: saved[prefix + name] for name in ARRAYS}
+
+
+def declared_model(setting: Setting, prefix: str = "") -> dict[str, Declared]:
     """What each array is that `saved_model` gives."""
     states, actions = setting.n_states, setting.n_actions
     most = states * actions * states
-    return {
+    declared = {
         "visits": counts(states, actions),
         "reward_sums": floats(states, actions),
         "successor_offsets": counts(states * actions + 1, high=most, dtype="<i8"),
         "successor_states": counts(None, high=states - 1),
         "successor_counts": counts(None, low=1),
     }
+    return {prefix + name: array for name, array in declared.items()}
 
 
-def restored_model(setting: Setting, saved: Saved) -> SparseModel:
+def restored_model(setting: Setting, saved: Saved, prefix: str = "") -> SparseModel:
     """The model that `saved_model` gave, with room for `setting.steps` further visits."""
+    saved = model_arrays(saved, prefix)
     states, offsets = saved["successor_states"], saved["successor_offsets"]
     visits, reward_sums = saved["visits"].ravel(), saved["reward_sums"].ravel()
     lengths = np.diff(offsets).astype(np.int32)

@@ -31,18 +31,20 @@ def build(cell: Cell, models: Mapping[str, Saved]) -> Simulation:
     """
     settings, config = cell.settings, cell.config
     lab = lab_of(settings)
+    tables = {}
     for module in cell.modules:
-        shape, expected = models[module]["q"].shape, tuple(TASKS[module].size(lab))
+        of_module = config.agents[settings.starts[module].agent]
+        tables[module] = np.ascontiguousarray(of_module.values(models[module]), np.float64)
+        shape, expected = tables[module].shape, tuple(TASKS[module].size(lab))
         if shape != expected:
             raise RunError(f"{cell.path}: the {module} model has a table of {shape}, not {expected}")
     human = config.humans[cell.human].create() if cell.human else None
-    tables = {module: models[module]["q"] for module in cell.modules}
     task = settings.task_in(Site(lab, human, config.interaction.distances, tables))
     parameters = settings.parameters_of(config.agents[cell.agent])
     setting = Setting(cell.task, *settings.plays.size(lab), settings.n_steps, config.agents)
     agent: Any
     if cell.frozen:
-        agent = GreedyTable(np.ascontiguousarray(tables[SOCIAL]))
+        agent = GreedyTable(tables[SOCIAL])
     elif cell.modules:
         agent = settings.restored(parameters, setting, models[SOCIAL])
     else:

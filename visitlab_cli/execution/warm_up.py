@@ -5,8 +5,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cache
 
-import numpy as np
-
 from visitlab_cli.agents.base import Saved, Setting
 from visitlab_cli.compiled import JIT_DISABLED, cache_folder, cache_place
 from visitlab_cli.config.experiment import lab_of
@@ -18,7 +16,7 @@ from visitlab_cli.plan.cells import Cell
 from visitlab_cli.random_numbers import random_state
 from visitlab_cli.stopping import check_asked, nothing_to_lose
 from visitlab_cli.world.columns import StepColumns
-from visitlab_cli.world.tasks import SOCIAL, TASKS
+from visitlab_cli.world.tasks import TASKS
 
 COMPILED = "compiled-"
 _compiled_here: set[str] = set()
@@ -87,9 +85,9 @@ def _one_step(cell: Cell) -> Simulation:
 
 def _empty_models(cell: Cell) -> dict[str, Saved]:
     """Models of the right types and sizes that have learned nothing."""
-    sizes = {module: TASKS[module].size(lab_of(cell.settings)) for module in cell.modules}
-    models: dict[str, Saved] = {module: {"q": np.zeros(size)} for module, size in sizes.items()}
-    if SOCIAL in models:
-        parameters = cell.config.agents[cell.agent]
-        models[SOCIAL] = parameters.save(parameters.create(Setting(SOCIAL, *sizes[SOCIAL], 1, cell.config.agents)))
+    agents, lab = cell.config.agents, lab_of(cell.settings)
+    models = {}
+    for module, start in cell.settings.starts.items():
+        setting = Setting(module, *TASKS[module].size(lab), 1, agents)
+        models[module] = agents[start.agent].save(agents[start.agent].create(setting))
     return models

@@ -5,7 +5,8 @@ from functools import partial
 from pathlib import Path
 
 from visitlab_cli.agents.base import Setting
-from visitlab_cli.agents.declared import RANDOM_STATE, Declared
+from visitlab_cli.agents.declared import RANDOM_STATE, Declared, floats
+from visitlab_cli.agents.exploration import Table
 from visitlab_cli.config.experiment import lab_of
 from visitlab_cli.errors import VisitlabError
 from visitlab_cli.plan.cells import Cell
@@ -34,9 +35,10 @@ def setting_of(cell: Cell) -> Setting:
 
 def declared(cell: Cell) -> dict[str, Declared]:
     """What each array of a cell's `model.npz` must be."""
-    of_agent = cell.config.agents[cell.agent].arrays(setting_of(cell))
-    if cell.frozen:  # one that does not learn saves its table alone
-        of_agent = {"q": of_agent["q"]}
+    setting = setting_of(cell)
+    of_agent = cell.config.agents[cell.agent].arrays(setting)
+    if cell.frozen:  # one that does not learn saves its values alone
+        of_agent = {"q": floats(setting.n_states, setting.n_actions)}
     return {**of_agent, "random_state": RANDOM_STATE}
 
 
@@ -53,6 +55,25 @@ def model_of(run: Path, cell: Cell) -> Arrays:
     if fault:
         raise damaged(file, fault)
     return arrays
+
+
+def values_of(run: Path, cell: Cell) -> Table:
+    """What the agent of a finished cell believes each action is worth, shape (states, actions).
+
+    Raises:
+        NotFoundError, RunError: as `model_of`.
+    """
+    arrays = model_of(run, cell)
+    return arrays["q"] if cell.frozen else cell.config.agents[cell.agent].values(arrays)
+
+
+def models_of(run: Path, cell: Cell) -> dict[str, Arrays]:
+    """The models of the world that the agent of a finished cell learned, by name; none of one that does not learn.
+
+    Raises:
+        NotFoundError, RunError: as `model_of`.
+    """
+    return {} if cell.frozen else cell.config.agents[cell.agent].models(model_of(run, cell))
 
 
 def modules_of(run: Path, cell: Cell) -> dict[str, Arrays]:

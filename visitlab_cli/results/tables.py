@@ -44,7 +44,8 @@ def steps_of(run: Path, cell: Cell, columns: Sequence[str] | None = None) -> Any
 def model_of(run: Path, cell: Cell) -> Any:
     """A row a state and action: `state`, `action`, and each table of the model that has a value for them."""
     arrays = saved.model_of(run, cell)
-    states, actions = arrays["q"].shape
+    setting = saved.setting_of(cell)
+    states, actions = setting.n_states, setting.n_actions
     tables = {name: array.ravel() for name, array in arrays.items() if array.shape == (states, actions)}
     index = np.indices((states, actions), dtype=np.int32).reshape(2, -1)
     return to_arrow({"state": index[0], "action": index[1], **tables})

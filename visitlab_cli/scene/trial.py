@@ -1,5 +1,6 @@
 """One recorded trial with what is needed to draw it: its steps, its lab or arena, the distances that count."""
 
+import contextlib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -7,8 +8,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import yaml
+from pydantic import TypeAdapter
 
+from visitlab_cli.agents.base import Setting
 from visitlab_cli.agents.declared import floats
+from visitlab_cli.config.names import module
 from visitlab_cli.errors import RunError, VisitlabError
 from visitlab_cli.log.reader import check_values, read_attachment, read_metadata, read_trial
 from visitlab_cli.log.schema import CONFIG_NAME
@@ -122,7 +126,8 @@ def load_trial(path: Path, number: int) -> Trial:
     experiment = config.get("experiments", {}).get(cell.split("/")[0], {})
     arena = int(experiment.get("arena", ARENA)) if task == SOCIAL else None
     distances = config.get("interaction", {}).get("distances", DISTANCES)
-    return Trial(path, cell, task, number, steps, lab, tuple(distances), _learned(path, TASKS[task], lab), arena)
+    learned = _learned(path, TASKS[task], lab, cell, config)
+    return Trial(path, cell, task, number, steps, lab, tuple(distances), learned, arena)
 
 
 def lab_of_log(path: Path) -> Lab:
@@ -130,12 +135,21 @@ def lab_of_log(path: Path) -> Lab:
     return paper_lab()
 
 
-def _learned(path: Path, task: Task, lab: Lab) -> Values | None:
-    """The Q of the model beside the log, if there is a sound one."""
-    try:
-        return read_model(path.with_name(MODEL), {"q": floats(*task.size(lab))})["q"]
-    except (VisitlabError, KeyError):
-        return None
+def _learned(path: Path, task: Task, lab: Lab, cell: str, config: dict[str, Any]) -> Values | None:
+    """What the agent of the model beside the log believed of each action, if there is a sound one."""
+    file = path.with_name(MODEL)
+    with contextlib.suppress(VisitlabError, KeyError):
+        return read_model(file, {"q": floats(*task.size(lab))})["q"]
+    from visitlab_cli.agents.registry import AnyAgent  # only now: it takes a moment, and most models have a q
+
+    with contextlib.suppress(VisitlabError, LookupError, TypeError, AttributeError, ValueError):
+        agents = TypeAdapter(dict[str, AnyAgent]).validate_python(config["agents"])
+        experiment, player = cell.split("/")[:2]
+        modules = config["experiments"][experiment].get("modules")
+        agent = agents[player if modules is None else module(modules[SOCIAL]).agent]
+        setting = Setting(task.name, *task.size(lab), 1, agents)
+        return agent.values(read_model(file, agent.arrays(setting)))
+    return None
 
 
 def _config(path: Path) -> dict[str, Any]:

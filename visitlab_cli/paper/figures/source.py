@@ -11,7 +11,7 @@ import numpy.typing as npt
 from visitlab_cli.config.model import Config
 from visitlab_cli.paper.published.counterparts import Condition, Counterpart, counterparts
 from visitlab_cli.plan.cells import Cell, plan
-from visitlab_cli.plan.saved import model_of, trials_of
+from visitlab_cli.plan.saved import trials_of, values_of
 from visitlab_cli.storage.cell_folder import read_cell
 from visitlab_cli.storage.run_folder import read_config
 
@@ -33,7 +33,7 @@ class Group:
 
     def tables(self) -> Floats:
         """The learned Q of each cell, shape (cells, states, actions)."""
-        return np.stack([model_of(self.run, cell)["q"] for cell in self.cells])
+        return np.stack([values_of(self.run, cell) for cell in self.cells])
 
 
 @dataclass(frozen=True)
