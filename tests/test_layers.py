@@ -9,8 +9,8 @@ import visitlab_cli
 
 PACKAGE = Path(visitlab_cli.__file__).parent
 FLOORS = [
-    {"__init__", "errors", "kinds", "settings", "sources", "stopping"},
-    {"surroundings", "terminal"},
+    {"__init__", "errors", "settings", "sources", "stopping"},
+    {"kinds", "surroundings", "terminal"},
     {"same_pictures", "whole_file", "wording"},
     {"yaml"},
     {"kernel_cache"},

@@ -2,13 +2,14 @@
 
 A kernel is a plain function of arrays, scalars and NamedTuples of them. Its machine code is cached in a folder
 named by a hash of every source file that kernels live in, since numba's own cache does not notice an edit in a
-file that a kernel calls: an edited rule would silently run as before.
+file that a kernel calls: an edited rule would silently run as before. What holds code of other packages lies in a
+folder for just what they are, so that ours stays as it is.
 """
 
+import hashlib
 import platform
 import sys
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar, cast
@@ -19,14 +20,16 @@ import numba
 from numba.core import types
 from numba.extending import overload, register_jitable
 
-from visitlab_cli.kernel_cache import Place, cache_of, place
-from visitlab_cli.sources import digest_of, files_of
+from visitlab_cli.kernel_cache import CacheByCode, Place, place
+from visitlab_cli.sources import digest_of, files_of, is_others, others
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 KERNEL_SOURCES = ("compiled.py", "kernel_cache.py", "random_numbers.py", "world", "humans", "agents", "simulation")
 _settings: Any = numba.config
 JIT_DISABLED = bool(_settings.DISABLE_JIT)
+_registered: dict[type, list[Callable[..., Any]]] = {}
+"""What operations do for each record."""
 
 
 @cache
@@ -40,9 +43,10 @@ def sources_hash() -> str:
 
 
 @cache
-def cache_place() -> Place:
-    """Where this version's machine code is kept, or why nowhere."""
-    return place(f"kernels-{sources_hash()}")
+def cache_place(others: str = "") -> Place:
+    """Where this version's machine code is kept, or why nowhere; that which holds code of `others`, a hash, apart."""
+    both = f"{sources_hash()} {others}".encode()
+    return place(f"kernels-{hashlib.sha256(both).hexdigest()[:16] if others else sources_hash()}")
 
 
 def cache_folder() -> Path | None:
@@ -50,26 +54,36 @@ def cache_folder() -> Path | None:
     return cache_place().folder
 
 
-@contextmanager
-def _numba_cache(folder: Path) -> Iterator[None]:
-    """Let numba choose `folder` for what is decorated within; other people's kernels keep their own place."""
-    before = _settings.CACHE_DIR
-    _settings.CACHE_DIR = str(folder)
-    try:
-        yield
-    finally:
-        _settings.CACHE_DIR = before
+def place_of(records: Iterable[type], function: Callable[..., Any] | None = None) -> Place:
+    """Where machine code is kept that is compiled for some records: apart where it holds others' code.
+
+    What others have written comes in by the records that it is registered for, or is the `function` itself.
+    """
+    theirs = [each for record in records for each in _registered.get(record, ())] + ([function] if function else [])
+    if not any([is_others(each.__code__.co_filename) for each in theirs]):
+        return cache_place()
+    whose = others()
+    return Place(None, "code without a file takes part") if whose is None else cache_place(whose)
+
+
+def records_in(given: Any) -> Iterator[type]:
+    """The classes of the NamedTuples in values, or in numba's types of them."""
+    if isinstance(given, types.BaseNamedTuple):
+        yield given.instance_class  # type: ignore[attr-defined]
+    elif isinstance(given, tuple):
+        yield type(given)
+    parts: Any = given if isinstance(given, tuple | types.BaseTuple) else ()
+    for inner in parts:
+        yield from records_in(inner)
 
 
 def kernel(function: Function) -> Function:
     """Compile `function` on its first call, release the GIL in it, and keep its machine code in our cache."""
-    folder = cache_folder()
+    is_others(function.__code__.co_filename)
     compiler: Any = numba.njit
     dispatcher = compiler(nogil=True, forceinline=True)(function)  # else records are copied at each call
-    if JIT_DISABLED or folder is None:
-        return cast(Function, dispatcher)
-    with _numba_cache(folder):
-        dispatcher._cache = cache_of(function)
+    if not JIT_DISABLED:
+        dispatcher._cache = CacheByCode(function, lambda given: place_of(records_in(given), function).folder)
     return cast(Function, dispatcher)
 
 
@@ -105,7 +119,9 @@ class Operation:
         """Decorator: this plain function is the operation for `record`."""
 
         def register(function: Function) -> Function:
+            is_others(function.__code__.co_filename)
             self._table[record] = function
+            _registered.setdefault(record, []).append(function)
             return function
 
         return register

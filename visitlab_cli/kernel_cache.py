@@ -14,8 +14,9 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
 
+import numba
 import platformdirs
-from numba.core import caching
+from numba.core import caching, sigutils
 
 from visitlab_cli.errors import reason
 
@@ -23,6 +24,8 @@ ROOM_FOR_CACHE = 64 * 2**20  # bytes: less is a disk that will be full before a 
 VARIABLE = "VISITLAB_CACHE"
 DIGEST = hashlib.sha256().digest_size
 _caching: Any = caching  # which has no types
+_settings: Any = numba.config
+_signatures: Any = sigutils
 OTHERS_WRITE = stat.S_IWGRP | stat.S_IWOTH
 
 
@@ -148,9 +151,36 @@ class KernelCache(_caching.FunctionCache):  # type: ignore[misc]
             super().save_overload(sig, data)
 
 
-def cache_of(function: Any) -> Any:
-    """The cache of a kernel in the folder that numba is configured to use; one that keeps nothing if that fails."""
+class CacheByCode(_caching.NullCache):  # type: ignore[misc]
+    """The caches of one kernel, one a folder: whose code its machine code holds is known only as it is compiled."""
+
+    def __init__(self, function: Any, folder_of: Callable[[Any], Path | None]) -> None:
+        """For a kernel whose machine code for some types belongs in the folder that `folder_of` them says."""
+        self._function, self._folder_of = function, folder_of
+        self._caches: dict[Path | None, Any] = {None: _caching.NullCache()}
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """The machine code for a signature, None where there is none that is whole."""
+        return self._cache(sig).load_overload(sig, target_context)
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        """Keep the machine code for a signature, if that can be."""
+        self._cache(sig).save_overload(sig, data)
+
+    def _cache(self, sig: Any) -> Any:
+        folder = self._folder_of(_signatures.normalize_signature(sig)[0])
+        if folder is not None and folder not in self._caches:
+            self._caches[folder] = _cache_in(folder, self._function)
+        return self._caches[folder]
+
+
+def _cache_in(folder: Path, function: Any) -> Any:
+    """The cache of a kernel in a folder; one that keeps nothing if that fails."""
+    before = _settings.CACHE_DIR
+    _settings.CACHE_DIR = str(folder)  # while it is made: other people's kernels keep their own place
     try:
         return KernelCache(function)
     except (OSError, RuntimeError):
         return _caching.NullCache()
+    finally:
+        _settings.CACHE_DIR = before

@@ -11,6 +11,8 @@ from typing import Annotated, Any, TypeVar, Union, get_args
 
 from pydantic import BaseModel, Discriminator, Field, Tag
 
+from visitlab_cli.sources import is_others
+
 KIND = "kind"
 UNSAID = ""
 """Stands for the word of the kind that has none."""
@@ -30,6 +32,7 @@ def kinds_in(module: ModuleType, base: type[Base]) -> Iterator[tuple[str, type[B
     """The kinds that a module defines, subclasses of `base`, by their words."""
     for value in vars(module).values():
         if isinstance(value, type) and issubclass(value, base) and value.__module__ == module.__name__:
+            is_others(str(module.__file__))
             yield from ((word, value) for word in words_of(value))
 
 

@@ -1,11 +1,15 @@
 """Which code made a result: a hash of the package's source files, the same on every machine.
 
 A version says too little: a clone with an edited rule has the version of what it was cloned from.
+
+Code of others may take part: a kind of agent in a package, or in a file of none. What decides is the whole package,
+or that file, as it was when it was loaded.
 """
 
 import hashlib
 import re
-from collections.abc import Sequence
+import sys
+from collections.abc import Iterable, Sequence
 from functools import cache
 from pathlib import Path
 
@@ -51,10 +55,50 @@ def digest_of(files: Sequence[Path], package: Path = PACKAGE) -> "hashlib._Hash"
     return digest
 
 
+_others: dict[Path, str | None] = {}
+"""What each package or file of others held when its code was first met; None where there is no file."""
+
+
+def is_others(file: str) -> bool:
+    """Whether the code of a file is not this package's; it is then noted as it is now."""
+    path = Path(file)
+    if PACKAGE in path.parents:
+        return False
+    _note(path)
+    return True
+
+
+def others() -> str | None:
+    """A hash of all code of others that was met; None where some of it has no file, so that nobody knows it again."""
+    known = [digest for digest in _others.values() if digest is not None]
+    return None if len(known) < len(_others) else hashlib.sha256(" ".join(sorted(known)).encode()).hexdigest()
+
+
+def _note(path: Path) -> str | None:
+    root = path
+    while (root.parent / "__init__.py").is_file():
+        root = root.parent
+    if root not in _others:
+        there = path.is_file()
+        _others[root] = digest_of(files_of([root.name], root.parent), root.parent).hexdigest() if there else None
+    return _others[root]
+
+
 @cache
-def sources() -> str:
-    """16 hex digits for all that decides a result; the last four are a check on the others (`is_sources`)."""
-    return _checked(digest_of(files_of(DECIDING)).hexdigest()[: DIGITS - CHECK_DIGITS])
+def _own() -> str:
+    return digest_of(files_of(DECIDING)).hexdigest()
+
+
+def sources(kinds: Iterable[type] = ()) -> str:
+    """16 hex digits for all that decides a result; the last four are a check on the others (`is_sources`).
+
+    Args:
+        kinds: the classes of what a config declares, of which some may be others'.
+    """
+    files = {getattr(sys.modules[kind.__module__], "__file__", None) or "" for kind in kinds}
+    theirs = sorted({_note(Path(file)) or "" for file in files if is_others(file)})
+    whole = hashlib.sha256(" ".join([_own(), *theirs]).encode()).hexdigest() if theirs else _own()
+    return _checked(whole[: DIGITS - CHECK_DIGITS])
 
 
 def is_sources(text: object) -> bool:

@@ -88,7 +88,7 @@ def test_the_script_that_runs_is_not_run_once_more(played, tmp_path):
 @pytest.mark.parametrize("other", [("elsewhere", workers.code().sources), (workers.code().package, "0" * 16)])
 def test_a_worker_with_other_code_refuses(other, tmp_path, monkeypatch, capfd):
     cells = plan(load(TINY, [NAVIGATION, "seeds=3"]))
-    monkeypatch.setattr(workers, "code", lambda: workers.Code(*other))
+    monkeypatch.setattr(workers, "code", lambda kinds: workers.Code(*other))
     with pytest.raises(workers.OtherCodeError) as refused:
         run_cells(tmp_path, cells, 2, Progress())
     assert refused.value.exit_code == 4

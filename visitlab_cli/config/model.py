@@ -121,3 +121,8 @@ class Config(Settings):
         description="what experiment/agent, experiment/agent/human or visit/human should reach; "
         "checked where nothing but `seed` and `seeds` was overridden",
     )
+
+    @property
+    def kinds(self) -> set[type]:
+        """The classes of the humans and agents, some of which may lie in other packages."""
+        return {type(entry) for section in (self.humans, self.agents) for entry in section.values()}

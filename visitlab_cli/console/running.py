@@ -122,7 +122,8 @@ def _run_missing(run: Path, cells: "Sequence[Cell]", workers: int, progress: "Pr
         progress.say(note)
     missing = missing_cells(run, cells)
     needed = [path for cell in cells for path in (cell.path, *cell.modules.values())]
-    if told := continued(made_by(run, needed), sources(), bool(missing)):
+    ours = sources(kind for cell in cells for kind in cell.config.kinds)
+    if told := continued(made_by(run, needed), ours, bool(missing)):
         progress.warn(f"{run}: {told}")
     if missing:
         cost = estimate(missing, workers)

@@ -113,7 +113,7 @@ def facts_of(cell: Cell, trial_rewards: np.ndarray[Any, np.dtype[np.float64]]) -
         "mean_reward_last_tenth": last_mean(trial_rewards, 10),
         "config_hash": cell.run_hash,
         "versions": versions(),
-        SOURCES: sources(),
+        SOURCES: sources(cell.config.kinds),
     }
 
 

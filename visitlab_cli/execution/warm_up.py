@@ -6,7 +6,7 @@ from dataclasses import replace
 from functools import cache
 
 from visitlab_cli.agents.base import Saved, Setting
-from visitlab_cli.compiled import JIT_DISABLED, cache_folder, cache_place
+from visitlab_cli.compiled import JIT_DISABLED, place_of, records_in
 from visitlab_cli.config.experiment import lab_of
 from visitlab_cli.execution.build import Simulation, build
 from visitlab_cli.execution.cell_runner import simulate
@@ -35,23 +35,24 @@ def warm_up(cells: Sequence[Cell], say: Callable[[str], None]) -> None:
 def compile_here(cell: Cell) -> None:
     """Compile or load in this process, once, what `cell` needs, so that what it does afterwards is simulation."""
     if not JIT_DISABLED and _pair(cell) not in _compiled_here:
-        _play_one_step(cell)
+        _play(_one_step(cell))
         _compiled_here.add(_pair(cell))
 
 
 def _warm_up(cells: Sequence[Cell], say: Callable[[str], None]) -> None:
-    folder = cache_folder()
     KernelCache.damage_found = cache(lambda: say("the cache of compiled code is damaged: compiling again"))
     announced = False
     for name, cell in {_pair(cell): cell for cell in cells}.items():
-        marker = None if folder is None else folder / (COMPILED + name)
+        simulation = _one_step(cell)
+        place = place_of(records_in((simulation.task, simulation.agent)))
+        marker = None if place.folder is None else place.folder / (COMPILED + name)
         if not announced and (marker is None or not marker.exists()):
             announced = True
-            if folder is None:
-                say(f"compiling (each time: {cache_place().why}; set {VARIABLE} to a folder of your own)")
+            if marker is None:
+                say(f"compiling (each time: {place.why}; set {VARIABLE} to a folder of your own)")
             else:
                 say("compiling (first run only, about ten seconds)")
-        _play_one_step(cell)
+        _play(simulation)
         _compiled_here.add(name)
         if marker is not None:
             with contextlib.suppress(OSError):
@@ -68,8 +69,7 @@ def _pair(cell: Cell) -> str:
     return "-".join(filter(None, kinds))
 
 
-def _play_one_step(cell: Cell) -> None:
-    simulation = _one_step(cell)
+def _play(simulation: Simulation) -> None:
     simulate(simulation, random_state(0, "warm-up"), _forget, lambda steps: None)
 
 

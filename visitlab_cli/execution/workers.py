@@ -16,7 +16,7 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
@@ -44,9 +44,9 @@ class Code(NamedTuple):
     sources: str
 
 
-def code() -> Code:
-    """The code of this process."""
-    return Code(str(PACKAGE), sources())
+def code(kinds: Iterable[type] = ()) -> Code:
+    """The code of this process, with that of the `kinds` that take part."""
+    return Code(str(PACKAGE), sources(kinds))
 
 
 class OtherCodeError(RunError):
@@ -62,7 +62,6 @@ class Workers:
         self._context = multiprocessing.get_context("forkserver")
         self._shared = self._context.RawArray(ctypes.c_int64, 1 + 2 * count)
         self._executor: Executor | None = None
-        self._code = code()
 
     def submit(self, run: Path, cell: Cell, slot: int) -> Future[None]:
         """Run a cell in a free `slot`."""
@@ -71,7 +70,7 @@ class Workers:
         if self._executor is None:
             self._executor = self._start()
         with _as_the_program() if self.count > 1 else nullcontext():  # the pool starts its processes as work comes
-            return self._executor.submit(_checked, self._code, _run_in_slot, run, cell, slot)
+            return self._executor.submit(_checked, code(cell.config.kinds), _run_in_slot, run, cell, slot)
 
     def _start(self) -> Executor:
         if self.count == 1:
@@ -183,7 +182,7 @@ def _checked(expected: Code, work: Callable[[Path, Cell, int], None], run: Path,
     Raises:
         OtherCodeError: it does not.
     """
-    ours = code()
+    ours = code(cell.config.kinds)
     if ours.package != expected.package:
         raise OtherCodeError(f"a worker imports visitlab from {ours.package}, the program from {expected.package}")
     if ours.sources != expected.sources:
