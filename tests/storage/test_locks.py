@@ -69,7 +69,7 @@ def test_what_is_locked_stays_whatever_its_file_says(tmp_path):
     assert not folder.exists()
 
 
-@pytest.mark.parametrize("number", [errno.ENOLCK, errno.EOPNOTSUPP, errno.ENOSYS, errno.EINVAL])
+@pytest.mark.parametrize("number", [errno.ENOLCK, errno.EOPNOTSUPP, errno.ENOSYS, errno.EINVAL, errno.EACCES])
 def test_where_nothing_can_be_locked_it_is_said_once_and_goes_on(tmp_path, monkeypatch, number):
     def refuse(descriptor, how):
         raise OSError(number, os.strerror(number))
@@ -84,6 +84,18 @@ def test_where_nothing_can_be_locked_it_is_said_once_and_goes_on(tmp_path, monke
     assert len(said) == 1
     assert (tmp_path / "a/seed-0000/model.npz").exists()
     assert "no locks are to be had" in what_works(tmp_path)["locks"]
+
+
+@pytest.mark.parametrize("number", [errno.EROFS, errno.EACCES])
+def test_a_run_that_can_only_be_read_is_not_held_and_nothing_is_asked_of_it(tmp_path, monkeypatch, number):
+    def refuse(path, flags, *mode):
+        raise OSError(number, os.strerror(number), str(path))
+
+    monkeypatch.setattr(os, "open", refuse)
+    with being_written(tmp_path):
+        pass
+    with pytest.raises(RunError, match="can't be written"), being_written(tmp_path / "not-there"):
+        pass
 
 
 def test_one_holds_alone_or_several_together(tmp_path):

@@ -28,7 +28,8 @@ BEAT = 60.0
 """Seconds between two signs of life."""
 LONGEST = 4096
 """Bytes of a lock file that are read."""
-HELD = {errno.EWOULDBLOCK, errno.EAGAIN, errno.EACCES}
+HELD = {errno.EWOULDBLOCK, errno.EAGAIN}
+READ_ONLY = {errno.EROFS, errno.EACCES, errno.EPERM}
 TRIES = 100
 
 
@@ -220,21 +221,26 @@ RUN_LOCK = ".lock"
 def being_written(run: Path, say: Callable[[str], None] | None = None) -> Iterator[None]:
     """Hold a run, which then nobody removes; others may write in it, too.
 
+    A run in which we may not write can't be held: what only reads it goes on, what writes will say so.
+
     Raises:
         RunError: it is being removed, or nothing can be written there.
     """
+    held = None
     try:
         held = lock(run / RUN_LOCK, shared=True)
     except HeldError:
         raise RunError(f"{run}: is being removed; do it again when that is over") from None
     except OSError as error:
-        raise RunError(f"{run}: can't be written: {reason(error)}") from error
-    if not held.works and say is not None:
+        if error.errno not in READ_ONLY or not run.is_dir():
+            raise RunError(f"{run}: can't be written: {reason(error)}") from error
+    if held is not None and not held.works and say is not None:
         say(f"{run}: its file system locks nothing: don't remove the run while it is written")
     try:
         yield
     finally:
-        held.release(remove=held.works and _is_last(held))
+        if held is not None:
+            held.release(remove=held.works and _is_last(held))
 
 
 def _is_last(held: Lock) -> bool:
