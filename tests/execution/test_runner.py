@@ -39,6 +39,14 @@ def dies_while_writing_seed_1(run, cell, slot):
     dies_on_seed_1(run, cell, slot)
 
 
+def kills_what_starts_workers(run, cell, slot):
+    """Stand in for a cell of a worker whose server somebody kills, once."""
+    if not (run / "killed").exists():
+        (run / "killed").touch()
+        os.kill(os.getppid(), 9)
+    cell_runner.run_cell(run, cell, lambda steps: None)
+
+
 def raises_on_seed_1(run, cell, slot):
     if cell.seed == 1:
         raise ZeroDivisionError("no such thing")
@@ -58,6 +66,22 @@ def test_a_worker_that_always_dies_costs_only_its_cell(cells, tmp_path, monkeypa
     failures = run_cells(tmp_path, cells, 2, Progress(quiet=True))
     assert failures == {"navigation/mf/seed-0001": "its worker process died 3 times (out of memory?)"}
     assert [cell.seed for cell in missing_cells(tmp_path, cells)] == [1]
+
+
+def test_the_server_of_the_workers_is_killed(cells, tmp_path, monkeypatch):
+    monkeypatch.setattr(workers, "_run_in_slot", kills_what_starts_workers)
+    assert run_cells(tmp_path, cells, 2, Progress(quiet=True)) == {}
+    assert missing_cells(tmp_path, cells) == []
+
+
+def test_a_server_that_dies_at_each_start_ends_the_run_in_a_line(cells, tmp_path, monkeypatch):
+    def refuse(*anything):
+        raise EOFError
+
+    monkeypatch.setattr(workers.Workers, "submit", refuse)
+    assert set(run_cells(tmp_path, cells, 2, Progress(quiet=True)).values()) == {
+        "its worker process died 3 times (out of memory?)"
+    }
 
 
 def test_what_killed_workers_left_is_gone_at_the_end(cells, tmp_path, monkeypatch):

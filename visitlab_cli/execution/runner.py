@@ -104,6 +104,11 @@ class _Running:
             if not self.running:
                 self.pool.replace()
             return False
+        except (EOFError, ConnectionError):  # what starts the workers was killed
+            self.free_slots.append(slot)
+            self.pool.replace()  # which forgets the cell
+            self._died([cell])
+            return False
         return True
 
     def _startable(self) -> Iterator[Cell]:
@@ -143,12 +148,15 @@ class _Running:
             self.free_slots += [slot for _, slot in self.running.values()]
             self.running.clear()
             self.pool.replace()
-            for cell in broken:
-                self.deaths[cell.path] += 1
-                if self.deaths[cell.path] >= DEATHS_GIVEN_UP:
-                    self._fail(cell, f"its worker process died {DEATHS_GIVEN_UP} times (out of memory?)")
-                else:
-                    self.suspects.append(cell)
+            self._died(broken)
+
+    def _died(self, cells: Sequence[Cell]) -> None:
+        for cell in cells:
+            self.deaths[cell.path] += 1
+            if self.deaths[cell.path] >= DEATHS_GIVEN_UP:
+                self._fail(cell, f"its worker process died {DEATHS_GIVEN_UP} times (out of memory?)")
+            else:
+                self.suspects.append(cell)
 
     def _fail(self, cell: Cell, line: str) -> None:
         self.failures[cell.path] = line
