@@ -59,14 +59,17 @@ _add(app, commands)
 
 def main() -> None:
     """The program: every failure that a user can mend is a clear line and an exit code."""
-    with interruptible():
-        try:
-            _run()
-        except BaseException as error:
-            failed = isinstance(error, SystemExit) and error.code  # and has said so
-            if failed or not (was_asked() or isinstance(error, KeyboardInterrupt)):
-                raise
-            end(Interrupted.exit_code, "interrupted")
+    try:
+        with interruptible():
+            try:
+                _run()
+            except BaseException as error:
+                failed = isinstance(error, SystemExit) and error.code  # and has said so
+                if failed or not (was_asked() or isinstance(error, KeyboardInterrupt)):
+                    raise
+                raise KeyboardInterrupt from None
+    except KeyboardInterrupt:  # told out here, where an interruption does not come again
+        end(Interrupted.exit_code, "interrupted")
 
 
 def _run() -> None:
