@@ -22,7 +22,7 @@ from visitlab_cli.world.geometry import Geometry
 from visitlab_cli.world.human import REACT
 from visitlab_cli.world.lab import Lab
 from visitlab_cli.world.robot import move_of, moved
-from visitlab_cli.world.scene import Reaction, Scene, human_of
+from visitlab_cli.world.scene import Reaction, Scene, human_of, reaction
 
 
 class Clockwork(NamedTuple):
@@ -46,7 +46,7 @@ def react(human: Clockwork, lab: Lab, geometry: Geometry, scene: Scene, action: 
     if memory % human.every == 0:
         walk = move_of(0, 1)
         body = moved(lab, body, walk, scene.open_doors)
-    return Reaction(body.row, body.col, body.heading, Engagement.NONE.value, walk, memory)
+    return reaction(body.row, body.col, body.heading, Engagement.NONE.value, walk, memory)
 '''
 CONFIG = """name: timed
 humans:

@@ -29,7 +29,7 @@ from visitlab_cli.world.enums import (
 from visitlab_cli.world.geometry import DISTANCES, is_appropriate, make_geometry
 from visitlab_cli.world.lab import ALL_OPEN, make_lab
 from visitlab_cli.world.robot import move_of, moved
-from visitlab_cli.world.scene import NOWHERE, Body, Reaction, next_scene
+from visitlab_cli.world.scene import NOWHERE, Body, next_scene, reaction
 from visitlab_cli.world.social import teleported
 
 Table = npt.NDArray[np.float64]
@@ -133,7 +133,7 @@ def _levels_in_vision(human: SixParameters, distances: Sequence[int]) -> Table:
         for body, chance in bodies:
             for human_heading in range(N_DIRECTIONS):
                 gaze = human.p_O / N_DIRECTIONS + (1 - human.p_O) * (human_heading == body.heading)
-                looking = Reaction(body.row, body.col, human_heading, *nothing)
+                looking = reaction(body.row, body.col, human_heading, *nothing)
                 for robot_heading in range(N_DIRECTIONS):
                     at = next_scene(
                         geometry, scene, Body(robot.row, robot.col, robot_heading), Action.NO_ACTION.value, looking

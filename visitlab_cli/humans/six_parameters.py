@@ -12,7 +12,7 @@ from visitlab_cli.world.geometry import Geometry, is_appropriate, sight
 from visitlab_cli.world.human import REACT, is_gesture
 from visitlab_cli.world.lab import Lab
 from visitlab_cli.world.robot import move_of, moved
-from visitlab_cli.world.scene import Reaction, Scene, human_of, random_direction
+from visitlab_cli.world.scene import Reaction, Scene, human_of, random_direction, reaction
 
 
 class Human(NamedTuple):
@@ -99,4 +99,4 @@ def react(human: Human, lab: Lab, geometry: Geometry, scene: Scene, action: int,
         heading = towards_robot
     elif happens(random, human.p_O):
         heading = random_direction(random)
-    return Reaction(body.row, body.col, heading, engagement, human_action, scene.human_memory)
+    return reaction(body.row, body.col, heading, engagement, human_action, scene.human_memory)

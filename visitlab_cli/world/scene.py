@@ -6,7 +6,7 @@ filled from it (`simulation/loop.py`).
 """
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from visitlab_cli.compiled import kernel, written
 from visitlab_cli.random_numbers import RandomState, random_below
@@ -37,7 +37,7 @@ class Scene(NamedTuple):
 
 
 class Reaction(NamedTuple):
-    """What the human decides in a step: fields of the next scene, by the same names."""
+    """What the human decides in a step: fields of the next scene, by the same names; `reaction` makes it in kernels."""
 
     human_row: int
     human_col: int
@@ -68,6 +68,21 @@ def _with(*fields: str, of: str = "") -> Callable[..., Scene]:
     return written("scene_with", f"scene, {arguments}", [f"return Scene({made})"], Scene=Scene)
 
 
+def _making(record: type[NamedTuple]) -> Callable[..., Any]:
+    """A kernel that makes a record from its fields, in which those with a default may be left out."""
+    defaults = record._field_defaults
+    arguments = [f"{name}={defaults[name]}" if name in defaults else name for name in record._fields]
+    made = ", ".join(f"{name}={name}" for name in record._fields)
+    return written(
+        record.__name__.lower(),
+        ", ".join(arguments),
+        [f"return {record.__name__}({made})"],
+        **{record.__name__: record},
+    )
+
+
+reaction: Callable[..., Reaction] = _making(Reaction)
+"""What the human decides, from the fields of `Reaction`, by name; those with a default may be left out."""
 with_aims: Callable[[Scene, int, int], Scene] = _with("desired_direction", "goal_room")
 """The same scene with another desired direction and goal room."""
 _with_robot: Callable[..., Scene] = _with("robot_row", "robot_col", "robot_heading", "executed_action")
@@ -97,14 +112,14 @@ def related(geometry: Geometry, scene: Scene) -> Scene:
 def first_scene(geometry: Geometry, last: Scene, robot: Body, human: Body) -> Scene:
     """The scene that a trial starts in: nobody engaged, nothing done; the aims and doors are those of `last`."""
     no_action = Action.NO_ACTION.value
-    reaction = Reaction(human.row, human.col, human.heading, Engagement.NONE.value, no_action, 0)
-    return related(geometry, _with_human(acted_scene(last, robot, no_action), reaction))
+    unmoved = reaction(human.row, human.col, human.heading, Engagement.NONE.value, no_action)
+    return related(geometry, _with_human(acted_scene(last, robot, no_action), unmoved))
 
 
 @kernel
-def next_scene(geometry: Geometry, scene: Scene, robot: Body, action: int, reaction: Reaction) -> Scene:
-    """The scene after a step: the robot's body after its executed `action`, and the human's `reaction`."""
-    return related(geometry, _with_human(acted_scene(scene, robot, action), reaction))
+def next_scene(geometry: Geometry, scene: Scene, robot: Body, action: int, decided: Reaction) -> Scene:
+    """The scene after a step: the robot's body after its executed `action`, and what the human `decided`."""
+    return related(geometry, _with_human(acted_scene(scene, robot, action), decided))
 
 
 @kernel
