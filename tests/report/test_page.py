@@ -181,7 +181,7 @@ def test_the_best_trial_of_each_visit_is_the_best(tiny_run):
         rewards = read_trials(tiny_run / each["cell"] / "trials.parquet")["reward"]
         assert each["goals"] == rewards.max() == rewards[each["trial"]] == sum(each["columns"]["reward"][1:])
         assert {len(values) for values in [*each["columns"].values(), each["captions"]]} == {each["steps"] + 1}
-        drawn = {role: shapes for role, shapes in each["scene"].items() if role != "said"}
+        drawn = {role: shapes for role, shapes in each["scene"].items() if not role.endswith("says")}
         assert set(drawn) == {"robot", "human", "sight", "desired", "goal", "reached"}
         assert {len(shapes) for shapes in drawn.values()} == {each["steps"] + 1}
         reached = [step for step, shape in enumerate(drawn["reached"]) if shape]

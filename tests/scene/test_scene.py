@@ -32,13 +32,13 @@ def test_each_thing_is_there_once_and_where_it_is():
     areas, ways, bodies = (Role.GOAL, Role.REACHED), (Role.ROBOT_WAY, Role.HUMAN_WAY), (Role.ROBOT, Role.HUMAN)
     others = Role.CLOTH, Role.POLE, Role.SIGHT, Role.DESIRED
     assert {role: len(shapes) for role, shapes in first.items()} == dict.fromkeys((*areas, *ways, *bodies, *others), 1)
-    assert set(second) == set(first) - {Role.REACHED} | {Role.SAID}
+    assert set(second) == set(first) - {Role.REACHED} | {Role.ROBOT_SAYS}
     assert first[Role.GOAL][0].corner.tolist() == [16, 16]
     assert first[Role.REACHED][0].corner.tolist() == [8, 8]
     assert first[Role.ROBOT][0].place.tolist() == [1.5, 7.5]
     assert first[Role.ROBOT][0].tip.tolist() == pytest.approx([-0.2, 7.5])
     assert first[Role.ROBOT_WAY][0].points.tolist() == [[5.5, 5.5], [1.5, 7.5]]
-    assert (second[Role.SAID][0].text, second[Role.SAID][0].above) == ("HELLO!", True)
+    assert (second[Role.ROBOT_SAYS][0].text, second[Role.ROBOT_SAYS][0].above) == ("HELLO!", True)
     way = first[Role.DESIRED][0].end - first[Role.DESIRED][0].start
     assert way[0] < 0 < way[1], "south-west"
 

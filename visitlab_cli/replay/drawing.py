@@ -42,7 +42,9 @@ def draw_scene(stage: Stage) -> None:
     _draw_human(stage, moments)
     _draw_robot(stage, moments)
     _draw_lines(stage, "robot/away", moments, (Role.AWAY,), _sign, SIGN)
-    _draw_lines(stage, "robot/says", moments, (Role.SAID,), lambda shape: _bubble(stage, shape), SAYS)
+    _draw_lines(stage, "robot/says", moments, (Role.ROBOT_SAYS,), lambda shape: _bubble(stage, shape), SAYS)
+    if any(of_role(shapes, Role.HUMAN_SAYS) for shapes in moments):
+        _draw_lines(stage, "human/says", moments, (Role.HUMAN_SAYS,), lambda shape: _bubble(stage, shape), SAYS)
     _draw_lines(stage, "robot/points", moments, (Role.POINTED,), _strip, SAYS)
 
 
@@ -204,7 +206,7 @@ def _sign(shape: Shape) -> list[Line]:
 
 
 def _bubble(stage: Stage, shape: Shape) -> list[Line]:
-    """A bubble above the robot, or below it, within the world."""
+    """A bubble above who speaks, or below, within the world."""
     if not isinstance(shape, Speech):
         return []
     place, padding, up = np.array(shape.place), 0.62, -1.0 if shape.above else 1.0

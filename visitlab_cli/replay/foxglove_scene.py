@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from visitlab_cli.scene.colours import FACING_FIELD, INK, VISUAL_FIELD, Colour, shares
-from visitlab_cli.scene.scene import BODIES, Scene
+from visitlab_cli.scene.scene import BODIES, SAYS, Scene
 from visitlab_cli.scene.shapes import Area, Arrow, Body, Line, Role, Shape, Sight, Speech, Vectors
 from visitlab_cli.scene.sight import FACES_DEGREES, SEES_DEGREES
 from visitlab_cli.world.enums import N_DIRECTIONS
@@ -42,13 +42,12 @@ def lab_entities(scene: Scene) -> list[Fields]:
 def scene_entities(scene: Scene, step: int) -> list[Fields]:
     """What is to be seen at a step; an entity of an earlier one is replaced by the one of its name."""
     shapes = scene.moment(step)
-    said = [shape.text for shape in shapes if isinstance(shape, Speech)]
     sights = [shape for shape in shapes if isinstance(shape, Sight)]
     entities = []
     for shape in shapes:
         if isinstance(shape, Body):
-            robot = shape.role == Role.ROBOT
-            entities.append(_body(scene, step, shape, said if robot else [], [] if robot else sights))
+            said = [each.text for each in shapes if isinstance(each, Speech) and each.role == SAYS[str(shape.role)]]
+            entities.append(_body(scene, step, shape, said, [] if shape.role == Role.ROBOT else sights))
         elif shape.role in _ENTITIES:
             entities.append(_entity(_ENTITIES[shape.role], LAB, **_PRIMITIVES[type(shape)](scene, shape)))
     return entities

@@ -91,7 +91,7 @@ def _draw_body(shape: Body, axes: "Axes") -> None:
 
 @_draw.register(Speech)
 def _draw_speech(shape: Speech, axes: "Axes") -> None:
-    """What the robot says, in a bubble within the panel."""
+    """What is said, in a bubble within the panel."""
     (x, y), up = shape.place, -1 if shape.above else 1
     low, high = sorted(axes.get_xlim())
     axes.annotate(

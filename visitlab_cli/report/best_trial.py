@@ -82,13 +82,13 @@ def _plain(run: Path, name: str, cell: Cell, number: int, reward: float) -> dict
 
 
 def plain_scene(trial: Trial) -> dict[str, Any]:
-    """The shapes of a visit by their role, one a step; what is said by its step.
+    """The shapes of a visit by their role, one a step; what each says by its step.
 
     Bodies as x, y, heading, scale; sight as x, y, heading, radius; the desired direction as x, y, heading, length;
     rooms as x, y, width, height, None where none was just reached.
     """
     told: dict[str, Any] = {str(role): [] for role in (Role.ROBOT, Role.HUMAN, Role.SIGHT, Role.DESIRED, Role.GOAL)}
-    told |= {str(Role.REACHED): [], str(Role.SAID): {}}
+    told |= {str(Role.REACHED): [], str(Role.ROBOT_SAYS): {}, str(Role.HUMAN_SAYS): {}}
     for step, shapes in enumerate(Scene(trial).moments()):
         for shape in shapes:
             if isinstance(shape, Speech):

@@ -23,13 +23,14 @@ class Lab {
     const nose = () => svg("path", { class: "nose", d: "M0.3,-0.45 L0.98,0 L0.3,0.45 Z" });
     this.human = svg("g", { class: "human" }, nose(), svg("circle", { r: 0.62 }));
     this.robot = svg("g", { class: "robot" }, nose(), svg("rect", { x: -0.58, y: -0.58, width: 1.16, height: 1.16, rx: 0.25 }));
-    this.words = svg("text", { "text-anchor": "middle", x: 0, y: -1.42 });
-    this.bubble = svg("g", { class: "bubble" }, svg("path", { d: "M-2,-2.5 H2 Q2.3,-2.5 2.3,-2.2 V-1.4 Q2.3,-1.1 2,-1.1 H0.4 L0,-0.65 L-0.1,-1.1 H-2 Q-2.3,-1.1 -2.3,-1.4 V-2.2 Q-2.3,-2.5 -2,-2.5 Z" }), this.words);
+    const bubble = () => svg("g", { class: "bubble" }, svg("path", { d: "M-2,-2.5 H2 Q2.3,-2.5 2.3,-2.2 V-1.4 Q2.3,-1.1 2,-1.1 H0.4 L0,-0.65 L-0.1,-1.1 H-2 Q-2.3,-1.1 -2.3,-1.4 V-2.2 Q-2.3,-2.5 -2,-2.5 Z" }),
+      svg("text", { "text-anchor": "middle", x: 0, y: -1.42 }));
+    this.bubbles = { human: bubble(), robot: bubble() };
     this.node = svg("svg", { class: "lab", viewBox: `-0.3 -0.3 ${width + 0.6} ${height + 0.6}`, role: "img", "aria-label": "The lab from above" },
       svg("rect", { class: "floor", width, height }), this.goal, this.reached,
       ...tiles.map((ends) => svg("polyline", { class: "tile", points: points(ends) })),
       ...rooms.map(([x, y, width, height]) => svg("rect", { class: "wall", x, y, width, height })), ...this.names,
-      this.flag, svg("svg", { class: "within", width, height }, this.sight), this.trails.human, this.trails.robot, this.desired, this.human, this.robot, this.bubble);
+      this.flag, svg("svg", { class: "within", width, height }, this.sight), this.trails.human, this.trails.robot, this.desired, this.human, this.robot, this.bubbles.human, this.bubbles.robot);
   }
 
   // Draw the trial at `time`: step floor(time), on its way to the next.
@@ -64,9 +65,11 @@ class Lab {
       const been = scene[who].slice(Math.max(0, step - STORY.trail), step + 1);
       this.trails[who].setAttribute("points", points([...been.map((shape) => shape.slice(0, 2)), now.slice(0, 2)]));
     }
-    const said = scene.said[step] ?? "";
-    this.bubble.classList.toggle("shown", said !== "");
-    this.words.textContent = said;
-    put(this.bubble, Math.min(STORY.size[0] - 2.4, Math.max(2.4, robot[0])), Math.max(2.6, robot[1]));
+    for (const [who, now] of [["human", human], ["robot", robot]]) {
+      const said = scene[`${who} says`][step] ?? "", bubble = this.bubbles[who];
+      bubble.classList.toggle("shown", said !== "");
+      bubble.lastChild.textContent = said;
+      put(bubble, Math.min(STORY.size[0] - 2.4, Math.max(2.4, now[0])), Math.max(2.6, now[1]));
+    }
   }
 }

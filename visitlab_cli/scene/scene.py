@@ -16,6 +16,7 @@ from visitlab_cli.world.enums import Action
 COLOURS = {"robot": ROBOT, "human": HUMAN}
 BODIES = {"robot": Role.ROBOT, "human": Role.HUMAN}
 WAYS = {"robot": Role.ROBOT_WAY, "human": Role.HUMAN_WAY}
+SAYS = {"robot": Role.ROBOT_SAYS, "human": Role.HUMAN_SAYS}
 TRAIL_STEPS = 8
 """The last steps of a way that a drawer shows strongly."""
 ASIDE, NARROW = {"robot": 0.4, "human": -0.4}, 0.75
@@ -79,7 +80,7 @@ class Scene:
             yield _arrow(Role.POINTED, self._places["robot"][step], way, (0.8, 2.6), Style(INK, 0.2))
         if action in GESTURES:
             x, y = map(float, self._places["robot"][step])
-            yield Speech(Role.SAID, (x, y), GESTURES[Action(action)], above=y > BUBBLE_NEEDS)
+            yield Speech(SAYS["robot"], (x, y), GESTURES[Action(action)], above=y > BUBBLE_NEEDS)
 
     def _body(self, who: str, step: int) -> Body:
         place, style = self._places[who][step], Style(COLOURS[who], 0.24)

@@ -1,7 +1,7 @@
 """What a scene is made of: shapes that say what they stand for, where they are, how they look and what they say.
 
-x goes eastwards and y southwards, in cells, from the north-western corner of the world. A drawer may leave out what
-its medium has no room for; it adds nothing.
+x goes eastwards and y southwards, in cells, from the north-western corner of the world. A drawer adds nothing. The
+strip draws whatever there is; Rerun, Foxglove and the report draw the roles that they name.
 """
 
 from dataclasses import dataclass
@@ -35,7 +35,8 @@ class Role(StrEnum):
     ROBOT = "robot"
     AWAY = "away"
     POINTED = "pointed"
-    SAID = "said"
+    ROBOT_SAYS = "robot says"
+    HUMAN_SAYS = "human says"
 
 
 @dataclass(frozen=True)
@@ -130,7 +131,7 @@ class Sight:
 
 @dataclass(frozen=True)
 class Speech:
-    """What the robot at `place` says, in a bubble `above` it or below."""
+    """What robot or human at `place` says, in a bubble `above` it or below."""
 
     role: Role
     place: tuple[float, float]
