@@ -86,6 +86,18 @@ def test_where_nothing_can_be_locked_it_is_said_once_and_goes_on(tmp_path, monke
     assert "no locks are to be had" in what_works(tmp_path)["locks"]
 
 
+@pytest.mark.parametrize("said", ["", "{", "[]"])
+def test_who_was_killed_before_it_said_who_it_was_is_gone(tmp_path, said):
+    file = tmp_path / ".tmp-x.lock"
+    file.write_text(said)
+    assert is_abandoned(file)
+    with file.open("r+") as held:
+        fcntl.flock(held, fcntl.LOCK_EX)
+        assert not is_abandoned(file)
+    remove_leftovers(tmp_path)
+    assert not file.exists()
+
+
 @pytest.mark.parametrize("number", [errno.EROFS, errno.EACCES])
 def test_a_run_that_can_only_be_read_is_not_held_and_nothing_is_asked_of_it(tmp_path, monkeypatch, number):
     def refuse(path, flags, *mode):

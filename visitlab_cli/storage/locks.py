@@ -141,6 +141,10 @@ def is_abandoned(file: Path) -> bool:
         return False
     try:
         owner = _owner(held.descriptor)
+        if not owner and held.works:
+            return (
+                True  # killed before it said who it was; one who is only about to say it looks again, and makes another
+            )
         if owner.get("machine") == _machine():
             return not _lives(owner)
         same_machine = str(owner.get("machine", "")).split(" ")[0] == socket.gethostname()
