@@ -197,7 +197,7 @@ def is_left_over(path: Path) -> bool:
     """Whether a hidden folder, or its lock file, is of somebody who is surely gone."""
     file = path if path.name.endswith(LOCK) else lock_of(path)
     if not file.is_symlink() and file.exists():
-        return is_abandoned(file)
+        return is_abandoned(file, begun=file.with_name(file.name.removesuffix(LOCK)).exists())
     return older_than_an_hour(path)  # of a version that had no lock files, or half removed
 
 

@@ -131,8 +131,13 @@ def _started(process: int) -> str:
         return ""
 
 
-def is_abandoned(file: Path) -> bool:
-    """Whether who made a lock file is surely gone; also where there is no file any more."""
+def is_abandoned(file: Path, *, begun: bool = True) -> bool:
+    """Whether who made a lock file is surely gone; also where there is no file any more.
+
+    Args:
+        file: the lock file.
+        begun: whether what it locks is there; its owner states itself before that.
+    """
     try:
         held = lock_of_other(file)
     except FileNotFoundError:
@@ -141,10 +146,8 @@ def is_abandoned(file: Path) -> bool:
         return False
     try:
         owner = _owner(held.descriptor)
-        if not owner and held.works:
-            return (
-                True  # killed before it said who it was; one who is only about to say it looks again, and makes another
-            )
+        if not owner and not begun and held.works:
+            return True  # killed before it said who it was; who is only about to say it makes another
         if owner.get("machine") == _machine():
             return not _lives(owner)
         same_machine = str(owner.get("machine", "")).split(" ")[0] == socket.gethostname()
