@@ -252,3 +252,21 @@ def test_paths_that_do_not_work_are_one_line(small, tmp_path):
         recover(small, tmp_path / "missing" / "fixed.mcap")
     with pytest.raises(RunError, match=r"cannot read the log: [^\n]+$"):
         recover(tmp_path, tmp_path / "fixed.mcap")
+
+
+@pytest.mark.parametrize("name", [b"robot_heading", b"goal_room", b"trial"])
+def test_a_changed_byte_of_a_schema_that_nothing_else_checks_costs_no_field(tiny_run, tmp_path, name):
+    log = tiny_run / "navigation" / "mf" / "seed-0000" / "steps.mcap"
+    content = bytearray(log.read_bytes())
+    content[
+        content.index(b"visitlab.Step")
+        + content[content.index(b"visitlab.Step") :].index(b"\x0a" + bytes([len(name)]) + name)
+        + 3
+    ] ^= 2
+    broken, whole = tmp_path / "broken.mcap", tmp_path / "whole.mcap"
+    broken.write_bytes(content[:-20])
+    recover(broken, whole)
+    expected, found = read_steps(log), read_steps(whole)
+    assert {key: values.tolist() for key, values in found.items()} == {
+        key: values.tolist() for key, values in expected.items()
+    }

@@ -127,6 +127,22 @@ class Definitions:
         return self._made[key]
 
 
+def known_fields(data: bytes) -> int:
+    """How many of the fields that we know the content of a schema has, as we have them."""
+    try:
+        files = FileDescriptorSet.FromString(data).file
+    except DecodeError:
+        return -1
+    theirs = {
+        (declared.name, field.name, field.number, field.type)
+        for file in files
+        for declared in file.message_type
+        for field in declared.field
+    }
+    ours = ((message, field) for _, _, message in OURS for field in message_descriptor(message).field)
+    return sum((message, field.name, field.number, field.type) in theirs for message, field in ours)
+
+
 def _files(schema: Schema) -> list[FileDescriptorProto]:
     try:
         return list(FileDescriptorSet.FromString(schema.data).file)

@@ -6,6 +6,7 @@ chunks, summary, CRCs) is made anew. Schemas and channels are taken from the sum
 
 import struct
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -14,12 +15,12 @@ from mcap.records import AttachmentIndex, Channel, Chunk, Footer, Metadata, Sche
 
 from visitlab_cli.log.attachments import Attached
 from visitlab_cli.log.chunks import Record, definition_in, records_in
-from visitlab_cli.log.definitions import Definitions
+from visitlab_cli.log.definitions import Definitions, known_fields
 from visitlab_cli.log.foreign import MESSAGE_HEAD
 from visitlab_cli.log.log import RUN_OF_MESSAGES, TASK, readable
 from visitlab_cli.log.mcap_file import INDEX_ENTRY, IndexEntries, McapFile
 from visitlab_cli.log.recovery.whole_records import ANOTHER_FILE, KINDS, Whole, whole_records
-from visitlab_cli.log.schema import METADATA_NAME
+from visitlab_cli.log.schema import METADATA_NAME, PACKAGE, STEP, TRIAL
 from visitlab_cli.log.source import (
     MAGIC,
     PREFIX,
@@ -55,7 +56,7 @@ class Salvage:
     def __init__(self, source: McapSource, target: McapFile, *, each_message: bool = False):
         self._source, self._target, self._each_message = source, target, each_message
         self._summary, self._is_summary_right = _summary_definitions(source)
-        self._redeclared = _redeclared(source)
+        self._redeclared, self._copies = _declared(source)
         self._defined = Definitions()
         self._late: list[Schema | Channel] = []
         self._loose = bytearray()
@@ -175,6 +176,8 @@ class Salvage:
         as_in_summary = self._summary.schemas if isinstance(definition, Schema) else self._summary.channels
         if self._is_summary_right and not in_chunk and (type(definition), definition.id) not in self._redeclared:
             definition = as_in_summary.get(definition.id, definition)
+        elif isinstance(definition, Schema) and not in_chunk and definition.data in self._copies:
+            definition = replace(definition, data=max(self._copies, key=known_fields))
         if found.get(definition.id) != definition:
             self._defined.learn(definition)
             self._target.define(definition, in_chunk=in_chunk)
@@ -208,8 +211,12 @@ def _summary_definitions(source: McapSource) -> tuple[Definitions, bool]:
     return found, bool(footer.summary_crc)
 
 
-def _redeclared(source: McapSource) -> set[tuple[type, int]]:
-    """The schemas and channels that are defined twice outside of chunks, and not alike: by kind and number."""
+def _declared(source: McapSource) -> tuple[set[tuple[type, int]], list[bytes]]:
+    """What is defined outside of chunks: what twice and not alike, by kind and number; and copies of one schema.
+
+    We write the same schema for steps and for trials; if bytes of one were changed the other still has them.
+    """
+    ours: dict[str, list[bytes]] = {f"{PACKAGE}.{message}": [] for message in (STEP, TRIAL)}
     known: dict[tuple[type, int], Schema | Channel] = {}
     twice = set()
     position = len(MAGIC)
@@ -220,9 +227,13 @@ def _redeclared(source: McapSource) -> set[tuple[type, int]]:
                 record = source.definition(place)
                 if known.setdefault((type(record), record.id), record) != record:
                     twice.add((type(record), record.id))
+                if isinstance(record, Schema) and record.name in ours:
+                    ours[record.name].append(record.data)
     except DamagedError:
         pass  # so far as it goes
-    return twice
+    copies = [data for each in ours.values() for data in each]
+    are_copies = all(len(each) == 1 for each in ours.values()) and len({len(data) for data in copies}) == 1
+    return twice, copies if are_copies else []
 
 
 def _examined(content: bytes) -> Content:
