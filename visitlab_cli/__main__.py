@@ -1,5 +1,6 @@
 """The program `visitlab`, and `python -m visitlab_cli`: Ctrl-C ends it in one line from the first moment on."""
 
+import atexit
 import signal
 
 from visitlab_cli.errors import UsageError
@@ -13,6 +14,8 @@ def main() -> None:
     open_streams()
     for number in ending_signals():
         signal.signal(number, end_at_once)
+        # what Python's own end takes away is a handler, which this is not; the first registered is the last called
+        atexit.register(signal.signal, number, signal.SIG_IGN)
     try:
         shut_out()
     except UsageError as error:

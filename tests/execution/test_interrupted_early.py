@@ -119,6 +119,21 @@ def test_an_interruption_that_came_to_nothing_is_told_at_the_end(end):
     assert (done.returncode, done.stderr) == (130, "interrupted\n")
 
 
+def test_ctrl_c_in_the_end_of_python_itself_changes_no_exit_code():
+    program = (
+        "import os, signal, sys\n"
+        "class Late:\n"
+        "    def __del__(self, kill=os.kill, pid=os.getpid(), number=signal.SIGINT):\n"
+        "        kill(pid, number)\n"
+        "sys.late = Late()\n"
+        "sys.argv = ['visitlab', '--version']\n"
+        "from visitlab_cli.__main__ import main\n"
+        "main()\n"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
 def test_a_run_that_lost_an_interruption_starts_no_cell(tmp_path):
     program = (
         "import sys\n"
