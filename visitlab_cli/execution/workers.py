@@ -24,6 +24,7 @@ from types import ModuleType
 from typing import Any, NamedTuple
 
 from visitlab_cli.errors import Interrupted, RunError, UsageError
+from visitlab_cli.execution.tracker import survive
 from visitlab_cli.plan.cells import Cell
 from visitlab_cli.sources import PACKAGE, sources
 from visitlab_cli.stopping import ending_signals
@@ -76,6 +77,7 @@ class Workers:
         if self.count == 1:
             return ThreadPoolExecutor(1, initializer=_begin_thread, initargs=(self._shared,))
         self._context.set_forkserver_preload([])
+        survive()
         _start_servers()
         return ProcessPoolExecutor(
             self.count, mp_context=self._context, initializer=_begin_process, initargs=(self._shared,)
