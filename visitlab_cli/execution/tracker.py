@@ -4,11 +4,12 @@ A tracker that was started anew knows nothing of what there was before; told tha
 traceback between the lines of the run. So it is told only of what it knows.
 """
 
+from collections.abc import Sized
 from multiprocessing import resource_tracker
 from typing import Any
 
 _tracker: Any = resource_tracker._resource_tracker
-_known: set[tuple[Any, str]] = set()
+_known: set[tuple[Sized, str]] = set()
 _process: int | None = None
 _register, _unregister = resource_tracker.register, resource_tracker.unregister
 
@@ -18,17 +19,17 @@ def survive() -> None:
     resource_tracker.register, resource_tracker.unregister = _note, _forget
 
 
-def _note(name: Any, kind: str) -> None:
+def _note(name: Sized, rtype: str) -> None:
     _look()
-    _register(name, kind)
-    _known.add((name, kind))
+    _register(name, rtype)
+    _known.add((name, rtype))
 
 
-def _forget(name: Any, kind: str) -> None:
+def _forget(name: Sized, rtype: str) -> None:
     _look()
-    if (name, kind) in _known:
-        _known.discard((name, kind))
-        _unregister(name, kind)
+    if (name, rtype) in _known:
+        _known.discard((name, rtype))
+        _unregister(name, rtype)
 
 
 def _look() -> None:
