@@ -63,7 +63,7 @@ class Workers:
         self._context = multiprocessing.get_context("forkserver")
         self._shared = self._context.RawArray(ctypes.c_int64, 1 + 2 * count)
         self._executor: Executor | None = None
-        self._given_up: list[Executor] = []  # kept, for a process that just starts still looks for what they share
+        self._given_up: list[dict[str, Any]] = []  # kept, for a process that just starts looks for what they share
 
     def submit(self, run: Path, cell: Cell, slot: int) -> Future[None]:
         """Run a cell in a free `slot`."""
@@ -99,8 +99,8 @@ class Workers:
     def replace(self) -> None:
         """Give up a broken pool; the next cell starts a new one."""
         if self._executor is not None:
+            self._given_up.append(dict(vars(self._executor)))
             self._executor.shutdown(wait=False, cancel_futures=True)
-            self._given_up.append(self._executor)
         self._executor = None
 
     def kill(self) -> None:
