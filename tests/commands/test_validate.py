@@ -10,7 +10,8 @@ from visitlab_cli.agents.model_based import ModelBasedParameters
 from visitlab_cli.config.canonical import config_hash
 from visitlab_cli.config.loading import load
 from visitlab_cli.plan.cells import plan
-from visitlab_cli.plan.estimate import CELL_SECONDS, LOG_BYTES, LOG_BYTES_A_STEP, estimate
+from visitlab_cli.plan.estimate import LOG_BYTES, estimate
+from visitlab_cli.world.tasks import TASKS
 
 ONE_CELL = "experiments={navigation: {task: navigation, agents: [mf], steps: 1200}}"
 
@@ -106,7 +107,7 @@ def test_the_estimate_of_disk_has_the_trials_that_are_recorded():
     none = estimate(plan(load(TINY, [ONE_CELL, "record.steps=none"])), 1).bytes
     logs = {n: estimate(cells, 1).bytes - none for n, cells in some.items()}
     assert estimate([every], 1).bytes - none == logs[1]
-    a_trial = every.settings.trial_steps * LOG_BYTES_A_STEP["navigation"]
+    a_trial = every.settings.trial_steps * TASKS["navigation"].costs.log_bytes_a_step
     trials = every.trials
     assert logs[1] == round(LOG_BYTES + trials * a_trial)
     assert logs[7] == round(LOG_BYTES + -(-trials // 7) * a_trial)
@@ -116,16 +117,16 @@ def test_the_estimate_of_disk_has_the_trials_that_are_recorded():
 def test_the_estimate_of_time_has_what_each_cell_costs_however_short_it_is():
     for workers in (1, 2):
         many = plan(load(TINY, [ONE_CELL.replace("1200", "20"), "seeds=300"]))
-        assert estimate(many, workers).seconds >= 300 * CELL_SECONDS["navigation"] / workers
+        assert estimate(many, workers).seconds >= 300 * TASKS["navigation"].costs.seconds / workers
     (one,) = plan(load(TINY, [ONE_CELL]))
-    assert estimate([one], 9).seconds > CELL_SECONDS["navigation"]
+    assert estimate([one], 9).seconds > TASKS["navigation"].costs.seconds
 
 
 def test_more_workers_gain_until_the_longest_chain_is_left():
     cells = plan(load("quickstart"))
     seconds = [estimate(cells, workers).seconds for workers in (1, 2, 3, 99)]
     assert seconds[0] > seconds[1] >= seconds[2] == seconds[3] > 0
-    fixed = CELL_SECONDS["social"] + CELL_SECONDS["visit"]
+    fixed = TASKS["social"].costs.seconds + TASKS["visit"].costs.seconds
     step = ModelBasedParameters.microseconds_a_step["social"] / 1e6
     assert seconds[3] == pytest.approx(500_000 * step + 2.2 + fixed)
 

@@ -6,6 +6,7 @@ import matplotlib
 import pytest
 
 from tests.program import visitlab
+from visitlab_cli.commands.figures import FIGURES
 from visitlab_cli.errors import RunError
 from visitlab_cli.figures.making import NAMES, make_figures
 from visitlab_cli.replay.strip import strip
@@ -63,3 +64,7 @@ def test_a_folder_that_cannot_be_written_is_one_line(copy):
     with pytest.raises(RunError) as caught:
         make_figures(copy, strip, ["fig7"])
     assert str(caught.value) == f"{copy}/figures/fig7.svg: can't be written: File exists"
+
+
+def test_the_command_names_all_that_can_be_drawn():
+    assert FIGURES == NAMES

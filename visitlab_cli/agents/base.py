@@ -30,6 +30,9 @@ class AgentParameters(Settings):
     plans: ClassVar[bool] = False
     """Whether it sweeps a learned model, so that planning options mean something."""
 
+    learns: ClassVar[bool] = True
+    """Whether what it saves grows with what it meets."""
+
     tasks: ClassVar[tuple[str, ...]] = TASK_NAMES
     """The tasks that it can play."""
 

@@ -46,6 +46,7 @@ class ScriptedParameters(AgentParameters):
     """Approach, hello, come, point if needed, lead; for the social task and the visit."""
 
     tasks: ClassVar[tuple[str, ...]] = (SOCIAL, VISIT)
+    learns: ClassVar[bool] = False
     microseconds_a_step: ClassVar[Mapping[str, float]] = {SOCIAL: 2.4, VISIT: 3.7}
     kind: Literal["scripted"]
 

@@ -19,6 +19,7 @@ class UniformRandom(NamedTuple):
 class RandomParameters(AgentParameters):
     """Uniformly random actions."""
 
+    learns: ClassVar[bool] = False
     microseconds_a_step: ClassVar[Mapping[str, float]] = {NAVIGATION: 0.6, GO_TO_HUMAN: 0.9, SOCIAL: 2.1, VISIT: 2.7}
     kind: Literal["random"]
 

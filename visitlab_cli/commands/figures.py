@@ -9,6 +9,9 @@ from visitlab_cli.console.help import Help
 from visitlab_cli.console.options import RUNS, Json, Out, Run
 from visitlab_cli.terminal import tell, tell_json
 
+FIGURES = ("fig6", "fig7", "fig8", "fig9", "grid")
+"""As `figures.making` draws them; which is too heavy to ask."""
+
 HELP = Help(
     "Look",
     place=3,
@@ -24,8 +27,8 @@ def command(
     only: Annotated[
         list[str] | None,
         typer.Option(
-            help="This figure alone: fig6, fig7, fig8, fig9 or grid; may be repeated.",
-            autocompletion=completion.words("fig6", "fig7", "fig8", "fig9", "grid"),
+            help=f"This figure alone: {', '.join(FIGURES[:-1])} or {FIGURES[-1]}; may be repeated.",
+            autocompletion=completion.words(*FIGURES),
         ),
     ] = None,
     kind: Annotated[

@@ -24,7 +24,8 @@ DRAW: dict[str, Callable[[Source], Drawing]] = {
     "fig8": draw_fig8,
     GRID: draw_grid,
 }
-NAMES = ("fig6", "fig7", "fig8", FIG_9, GRID)
+NAMES = (*(name for name in DRAW if name < FIG_9), FIG_9, *(name for name in DRAW if name > FIG_9))
+"""All figures, also Fig. 9, which is drawn by whoever can draw a strip."""
 
 
 class Made(NamedTuple):

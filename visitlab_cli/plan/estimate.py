@@ -11,13 +11,8 @@ from typing import NamedTuple
 from visitlab_cli.agents.registry import KINDS
 from visitlab_cli.agents.uniform_random import RandomParameters
 from visitlab_cli.plan.cells import Cell
-from visitlab_cli.world.tasks import GO_TO_HUMAN, NAVIGATION, SOCIAL, VISIT
+from visitlab_cli.world.tasks import SOCIAL
 
-CELL_SECONDS = {NAVIGATION: 0.02, GO_TO_HUMAN: 0.02, SOCIAL: 0.1, VISIT: 0.04}
-"""A cell of a few steps: its tables are made, its files written."""
-
-LOG_BYTES_A_STEP = {NAVIGATION: 38.0, GO_TO_HUMAN: 38.0, SOCIAL: 43.0, VISIT: 42.0}
-"""A recorded step in `steps.mcap`."""
 LOG_BYTES = 11_000.0
 """A log without steps: schema, config, index."""
 
@@ -26,11 +21,10 @@ TRIAL_BYTES = 7.0
 CELL_BYTES = 3_000.0
 """The files of a cell with nothing in them."""
 
-MODEL_BYTES = {NAVIGATION: 360_000.0, GO_TO_HUMAN: 75_000.0, SOCIAL: 650_000.0, VISIT: 700_000.0}
-"""A `model.npz` with counts when hardly anything new is met: after `MODEL_STEPS`; before, it grows as below."""
 MODEL_STEPS, MODEL_GROWTH = 200_000, 0.7
-WITHOUT_COUNTS, NOT_LEARNED = 0.25, {"random": 0.0, "scripted": 0.0}
-"""What of it an agent has that keeps no counts, and those that learn nothing."""
+"""When hardly anything new is met in a model; before, it grows with a power of the steps."""
+WITHOUT_COUNTS = 0.25
+"""What of it an agent has that learns and keeps no counts."""
 
 
 class Estimate(NamedTuple):
@@ -57,7 +51,7 @@ def estimate(cells: Sequence[Cell], workers: int) -> Estimate:
 def _seconds(cell: Cell) -> float:
     agent = RandomParameters if cell.frozen else cell.config.agents[cell.agent]  # frozen: neither learns nor plans
     told = agent.microseconds_a_step.get(cell.task)
-    return CELL_SECONDS[cell.task] + cell.steps * (_dearest(cell.task) if told is None else told) / 1e6
+    return cell.settings.plays.costs.seconds + cell.steps * (_dearest(cell.task) if told is None else told) / 1e6
 
 
 def _dearest(task: str) -> float:
@@ -84,7 +78,7 @@ def _log_bytes(cell: Cell) -> float:
     if not one_in:
         return 0.0
     recorded = -(-cell.trials // one_in) * cell.settings.trial_steps
-    return LOG_BYTES + recorded * LOG_BYTES_A_STEP[cell.task]
+    return LOG_BYTES + recorded * cell.settings.plays.costs.log_bytes_a_step
 
 
 def _model_bytes(cell: Cell) -> float:
@@ -92,5 +86,5 @@ def _model_bytes(cell: Cell) -> float:
     start = cell.settings.starts.get(SOCIAL)
     steps = cell.steps + (0 if start is None else cell.config.experiments[start.experiment].n_steps)
     agent = cell.config.agents[cell.agent]
-    share = NOT_LEARNED.get(agent.kind, 1.0 if agent.plans else WITHOUT_COUNTS)
-    return share * MODEL_BYTES[cell.task] * float(min(1.0, (steps / MODEL_STEPS) ** MODEL_GROWTH))
+    share = 1.0 if agent.plans else WITHOUT_COUNTS if agent.learns else 0.0
+    return share * cell.settings.plays.costs.model_bytes * float(min(1.0, (steps / MODEL_STEPS) ** MODEL_GROWTH))

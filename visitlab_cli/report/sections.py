@@ -12,14 +12,7 @@ from visitlab_cli.report.facts import Facts, counted
 from visitlab_cli.report.markup import Html, element
 from visitlab_cli.report.names import breakable
 from visitlab_cli.storage.cell_folder import SOURCES
-from visitlab_cli.world.tasks import GO_TO_HUMAN, NAVIGATION, SOCIAL, VISIT
 
-TASKS = {
-    NAVIGATION: "reach each of nine rooms and stay there",
-    GO_TO_HUMAN: "get in front of a human who stands still",
-    SOCIAL: "win a human's attention and lead it in a direction",
-    VISIT: "lead a human from goal room to goal room with the trained modules",
-}
 WITHOUT_SCRIPT = "This part needs JavaScript."
 
 
@@ -76,7 +69,7 @@ def _experiment(facts: Facts, name: str, settings: Experiment) -> Html:
         agents = [_agent(facts.config, each) for each in settings.trained]
         length = f"{counted(settings.n_steps, 'step')} in trials of {settings.trial_steps:,}"
     start = "" if settings.assembled else ", ".join("/".join(filter(None, each)) for each in settings.starts.values())
-    about = TASKS[settings.task] + (f"; goes on from {start}" if start else "")
+    about = settings.plays.about + (f"; goes on from {start}" if start else "")
     lines = [line for line in facts.summaries if line.group.experiment == name]
     cells = f"{sum(line.done for line in lines):,} of {sum(len(line.group.cells) for line in lines):,}"
     return element(

@@ -36,18 +36,32 @@ class Rooms(Protocol):
         """How many rooms it has."""
 
 
+class Costs(NamedTuple):
+    """What a cell of a task costs beside its agent's steps: of version 0.1 on a core of an ordinary server in 2026.
+
+    `seconds` of a cell of a few steps, whose tables are made and files written; bytes of a recorded step in
+    `steps.mcap`; bytes of a `model.npz` with counts when hardly anything new is met.
+    """
+
+    seconds: float
+    log_bytes_a_step: float
+    model_bytes: float
+
+
 @dataclass(frozen=True)
 class Task:
-    """A task: its `name`, the `parts` that there are in it (`columns.py`), and its tables' sizes.
+    """A task: what it is `about`, the `parts` that there are in it (`columns.py`), its tables' sizes, its costs.
 
     `n_states` is the number of states in any lab, or None where a state is a goal room and a cell. `counts_goals`
     says that its reward counts goals reached, each of which gives way to another.
     """
 
     name: str
+    about: str
     parts: tuple[str, ...]
     n_states: int | None
     n_actions: int
+    costs: Costs
     counts_goals: bool = False
 
     def has(self, part: str) -> bool:
@@ -76,10 +90,39 @@ _SOCIAL = N_LEVELS * N_DISTANCES * N_DIRECTIONS * N_DIRECTIONS
 TASKS = {
     task.name: task
     for task in (
-        Task(NAVIGATION, (ALWAYS, GOAL), None, N_PHYSICAL_ACTIONS),
-        Task(GO_TO_HUMAN, (ALWAYS, HUMAN), _TOWARDS_HUMAN, N_PHYSICAL_ACTIONS),
-        Task(SOCIAL, (ALWAYS, HUMAN, ENGAGEMENT), _SOCIAL, N_SOCIAL_ACTIONS),
-        Task(VISIT, (ALWAYS, HUMAN, ENGAGEMENT, GOAL, MODULES), _SOCIAL, N_SOCIAL_ACTIONS, counts_goals=True),
+        Task(
+            NAVIGATION,
+            "reach each of nine rooms and stay there",
+            (ALWAYS, GOAL),
+            None,
+            N_PHYSICAL_ACTIONS,
+            Costs(seconds=0.02, log_bytes_a_step=38, model_bytes=360_000),
+        ),
+        Task(
+            GO_TO_HUMAN,
+            "get in front of a human who stands still",
+            (ALWAYS, HUMAN),
+            _TOWARDS_HUMAN,
+            N_PHYSICAL_ACTIONS,
+            Costs(seconds=0.02, log_bytes_a_step=38, model_bytes=75_000),
+        ),
+        Task(
+            SOCIAL,
+            "win a human's attention and lead it in a direction",
+            (ALWAYS, HUMAN, ENGAGEMENT),
+            _SOCIAL,
+            N_SOCIAL_ACTIONS,
+            Costs(seconds=0.1, log_bytes_a_step=43, model_bytes=650_000),
+        ),
+        Task(
+            VISIT,
+            "lead a human from goal room to goal room with the trained modules",
+            (ALWAYS, HUMAN, ENGAGEMENT, GOAL, MODULES),
+            _SOCIAL,
+            N_SOCIAL_ACTIONS,
+            Costs(seconds=0.04, log_bytes_a_step=42, model_bytes=700_000),
+            counts_goals=True,
+        ),
     )
 }
 """By name, in the order of the paper."""
