@@ -1,5 +1,7 @@
 """Fixtures that several rooms share."""
 
+import signal
+
 import pytest
 from hypothesis import settings
 
@@ -9,6 +11,8 @@ from tests.recorded_trials import trial_of
 
 settings.register_profile("visitlab", deadline=None)  # how fast an example is says something of the machine
 settings.load_profile("visitlab")
+
+signal.signal(signal.SIGHUP, signal.SIG_DFL)  # under nohup the program would, rightly, be deaf to it
 
 __all__ = ["crossed_run", "paper_run", "trial_of"]
 
