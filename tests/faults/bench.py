@@ -13,7 +13,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from tests.program import hashes, only_cells, the_run
+from tests.program import TINY, hashes, only_cells, the_run
 
 CONFIG = """
 name: faults
@@ -77,6 +77,14 @@ class Bench:
         if self.expected != only_cells(hashes(the_run(self.folder / "first"))):
             raise SystemExit("two undisturbed runs differ")
         shutil.rmtree(self.folder / "first")
+
+    def tiny_run(self) -> Path:
+        """The run whose files are fuzzed, made when it is first asked for."""
+        with self._lock:
+            out = self.folder / "tiny"
+            if not out.exists():
+                self.run("run", TINY, "--out", out, "-q", "--workers", 1, cwd=self.folder)
+            return the_run(out)
 
     def close(self) -> None:
         """Remove everything."""

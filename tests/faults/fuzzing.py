@@ -13,6 +13,7 @@ import sys
 from pathlib import Path
 
 from tests.faults.fault import Try, fault
+from tests.faults.readers import TINY_RUN
 
 BATCH, SMALL_BATCH = 700, 60
 ROOM = 1 << 30
@@ -53,7 +54,7 @@ def _class_of(name: str) -> None:
             stderr=subprocess.PIPE,
             text=True,
             start_new_session=True,
-            env=os.environ | {"TMPDIR": str(this.folder)},
+            env=os.environ | {"TMPDIR": str(this.folder), TINY_RUN: str(this.bench.tiny_run())},
         )
         try:
             stdout, stderr = program.communicate(timeout=LIMIT)
