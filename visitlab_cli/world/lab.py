@@ -107,12 +107,15 @@ def make_lab(
 
 def _reach(passable: npt.NDArray[np.bool_]) -> npt.NDArray[np.int64]:
     """How many unit steps in each direction are free one after the other, at most as many as a move has."""
+    rows, cols, _ = passable.shape
     reach = np.zeros(passable.shape, np.int64)
     for _ in range(MAX_SPEED):  # one more than the cell ahead has
-        ahead = np.zeros_like(reach)
-        for row, col, direction in np.argwhere(passable):
-            ahead[row, col, direction] = reach[row + ROW_STEPS[direction], col + COL_STEPS[direction], direction]
-        reach = np.where(passable, np.minimum(ahead + 1, MAX_SPEED), 0)
+        around = np.pad(reach, ((1, 1), (1, 1), (0, 0)))
+        for direction in range(N_DIRECTIONS):
+            row, col = 1 + ROW_STEPS[direction], 1 + COL_STEPS[direction]
+            ahead = around[row : row + rows, col : col + cols, direction]
+            free = passable[:, :, direction]
+            reach[:, :, direction] = np.where(free, np.minimum(ahead + 1, MAX_SPEED), 0)
     return reach
 
 
