@@ -8,6 +8,7 @@ from hypothesis import settings
 from tests.paper_runs import crossed_run, paper_run
 from tests.program import TINY, the_run, visitlab
 from tests.recorded_trials import trial_of
+from tests.shared import made_once
 
 settings.register_profile("visitlab", deadline=None)  # how fast an example is says something of the machine
 settings.load_profile("visitlab")
@@ -20,7 +21,9 @@ __all__ = ["crossed_run", "paper_run", "trial_of"]
 @pytest.fixture(scope="session")
 def tiny_run(tmp_path_factory):
     """A finished run of `tiny.yaml`, made by the real program with one worker; not to be changed."""
-    out = tmp_path_factory.mktemp("runs")
-    done = visitlab("run", TINY, "--out", out, "--workers", 1)
-    assert done.returncode == 0, done.stderr
-    return the_run(out)
+
+    def make(out):
+        done = visitlab("run", TINY, "--out", out, "--workers", 1)
+        assert done.returncode == 0, done.stderr
+
+    return the_run(made_once(tmp_path_factory, "runs_of_tiny", make))

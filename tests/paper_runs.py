@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from tests.program import the_run, visitlab
+from tests.shared import made_once
 
 CONFIGS = Path(__file__).parents[1] / "configs"
 SEEDS = 2
@@ -30,19 +31,21 @@ SMALL_PAPER = [
 ]
 
 
-def made(out, config, overrides):
-    done = visitlab("run", CONFIGS / config, *overrides, "--out", out, "--workers", 2, "--quiet")
-    assert done.returncode == 0, done.stderr
-    return the_run(out)
+def made(factory, name, config, overrides):
+    def make(out):
+        done = visitlab("run", CONFIGS / config, *overrides, "--out", out, "--workers", 2, "--quiet")
+        assert done.returncode == 0, done.stderr
+
+    return the_run(made_once(factory, name, make))
 
 
 @pytest.fixture(scope="session")
 def paper_run(tmp_path_factory):
     """`configs/paper.yaml`, two seeds, every experiment cut short."""
-    return made(tmp_path_factory.mktemp("paper"), "paper.yaml", SMALL_PAPER)
+    return made(tmp_path_factory, "paper", "paper.yaml", SMALL_PAPER)
 
 
 @pytest.fixture(scope="session")
 def crossed_run(tmp_path_factory):
     """Two models, two visits of each; no log."""
-    return made(tmp_path_factory.mktemp("crossed"), "paper/variants/fig8_crossed.yaml", SMALL)
+    return made(tmp_path_factory, "crossed", "paper/variants/fig8_crossed.yaml", SMALL)

@@ -67,11 +67,20 @@ def flipped(data):
     return data[:middle] + bytes([data[middle] ^ 1]) + data[middle + 1 :]
 
 
+@pytest.fixture(scope="module")
+def filled(tmp_path_factory):
+    """A cache that has what trains a navigation."""
+    folder = tmp_path_factory.mktemp("filled")
+    cache = {"VISITLAB_CACHE": str(folder / "cache")}
+    assert visitlab("run", TINY, NAVIGATION, "--out", folder / "runs", "--workers", 1, env=cache).returncode == 0
+    return folder / "cache"
+
+
 @pytest.mark.parametrize("damage", [lambda data: data[: len(data) // 2], lambda data: b"x" * len(data), flipped])
-def test_a_damaged_cache_is_made_anew(tmp_path, damage):
+def test_a_damaged_cache_is_made_anew(filled, tmp_path, damage):
     config = ["run", TINY, "--out", tmp_path / "runs", "--workers", 1]
-    cache = {"VISITLAB_CACHE": str(tmp_path / "cache")}
-    assert visitlab(*config, NAVIGATION, env=cache).returncode == 0
+    cache = {"VISITLAB_CACHE": str(shutil.copytree(filled, tmp_path / "cache"))}
+    assert "compiling" not in visitlab(*config, NAVIGATION, env=cache).stderr
     files = [*(tmp_path / "cache").rglob("*.nbi"), *(tmp_path / "cache").rglob("*.nbc")]
     assert files
     for file in files:

@@ -61,8 +61,9 @@ def wait_for_first_cell(program):
     raise AssertionError("ended without a result")
 
 
-@pytest.mark.parametrize("workers", [1, 2])
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+@pytest.mark.parametrize(
+    ("number", "workers"), [(signal.SIGINT, 1), (signal.SIGINT, 2), (signal.SIGTERM, 1), (signal.SIGHUP, 2)]
+)
 def test_interrupted_and_resumed(undisturbed, tmp_path, workers, number):
     config, expected = undisturbed
     program = start("run", config, "--out", tmp_path, "--workers", workers)

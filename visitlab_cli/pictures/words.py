@@ -1,23 +1,32 @@
 """Words in lines as wide as there is room for, measured as they are drawn and broken where a reader would."""
 
 import re
+from functools import lru_cache
 
 POINTS_AN_INCH = 72
 LINE = 1.22
 """From line to line, in font sizes."""
 SMALLEST, SMALLER = 3.4, 0.4
 """Points: below this nothing is made smaller, and by how much at a time."""
+MEASURED = 100
+"""The font size at which outlines are measured."""
 PIECES = re.compile(r"(?<=[ _/])")
 """A line may end behind these."""
 
 
 def width_of(words: str, size: float, weight: str = "normal") -> float:
-    """How wide a line is drawn, in inches, at this font size and weight."""
+    """How wide a line is drawn, in inches, at this font size and weight, in the pictures' own style."""
+    return size * _width_a_point(words, weight) / POINTS_AN_INCH if words.strip() else 0.0
+
+
+@lru_cache(maxsize=10_000)
+def _width_a_point(words: str, weight: str) -> float:
+    """How wide a line is at a font size of 1: outlines grow with it."""
     from matplotlib.font_manager import FontProperties
     from matplotlib.textpath import TextPath
 
-    drawn = TextPath((0, 0), words, size=size, prop=FontProperties(weight=weight))
-    return float(drawn.get_extents().width) / POINTS_AN_INCH if words.strip() else 0.0
+    drawn = TextPath((0, 0), words, size=MEASURED, prop=FontProperties(weight=weight))
+    return float(drawn.get_extents().width) / MEASURED
 
 
 def height_of(words: str, size: float) -> float:
