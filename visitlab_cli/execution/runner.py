@@ -108,6 +108,7 @@ class _Running:
             self.free_slots.append(slot)
             self.pool.replace()  # which forgets the cell
             self._died([cell])
+            time.sleep(POLL_SECONDS)  # it still answers while it ends
             return False
         return True
 
