@@ -276,7 +276,7 @@ def together_killed(this: Try) -> None:
 
 @fault("removed-meanwhile", "`runs rm` and `runs prune` at random moments of a run that is going on", 8, 0)
 def removed_meanwhile(this: Try) -> None:
-    out = this.folder / "runs"
+    out, was_removed = this.folder / "runs", False
     program = started(this, out, 2)
     time.sleep(0.3 * this.bench.seconds)
     for _ in range(6):
@@ -287,10 +287,11 @@ def removed_meanwhile(this: Try) -> None:
         done = this.visitlab("runs", *arguments, "--out", out)
         if program.poll() is None:
             this.told(done, *((0, 4) if arguments[0] == "prune" else (2, 4)))
-    this.told(this.bench.wait(program), 0)
+        was_removed |= arguments[0] == "rm" and done.returncode == 0
+    ended_well = this.told(this.bench.wait(program), 0)
     if list(out.glob("faults-*")):
         this.whole(out)
-    else:
+    elif not (was_removed and ended_well):  # else it had finished, and was removed then
         this.lost.append("the run that was going on was removed")
 
 

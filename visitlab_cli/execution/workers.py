@@ -33,6 +33,8 @@ STOP = 0
 """Place of the stop flag in the shared memory; worker slot i has the places from 1 + 2 i: its steps, its process."""
 NOT_BEGUN = -1
 """The steps of a cell whose worker is still starting, importing or compiling."""
+GIVEN_UP_SECONDS = 5.0
+"""How long the end of a pool that was given up is waited for: it has nobody left to wait for itself."""
 SAFE_PATH, MAIN = "PYTHONSAFEPATH", "__main__"
 
 _shared: Any = None
@@ -112,6 +114,9 @@ class Workers:
         """Wait for the workers to end."""
         if self._executor is not None:
             self._executor.shutdown(wait=True, cancel_futures=True)
+        for pool in self._given_up:  # their managers, too: Python's own end stumbles over one that is just closing
+            if (manager := pool.get("_executor_manager_thread")) is not None:
+                manager.join(GIVEN_UP_SECONDS)
 
 
 def _steps_of(slot: int) -> int:
