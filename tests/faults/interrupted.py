@@ -287,7 +287,7 @@ def removed_meanwhile(this: Try) -> None:
         done = this.visitlab("runs", *arguments, "--out", out)
         if program.poll() is None:
             this.told(done, *((0, 4) if arguments[0] == "prune" else (2, 4)))
-        was_removed |= arguments[0] == "rm" and done.returncode == 0
+        was_removed |= arguments[0] == "rm" and done.code == 0
     ended_well = this.told(this.bench.wait(program), 0)
     if list(out.glob("faults-*")):
         this.whole(out)
