@@ -5,6 +5,7 @@ import os
 import shutil
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -110,3 +111,19 @@ def test_the_surroundings_are_left_as_they_were(tmp_path, monkeypatch):
     assert run_cells(tmp_path, plan(load(TINY, [NAVIGATION])), 2, Progress(quiet=True)) == {}
     assert dict(os.environ) == before
     assert json.loads(next(tmp_path.rglob("cell.json")).read_text())["cell"]
+
+
+def takes_a_while(run, cell, slot):
+    time.sleep(0.5)
+
+
+def test_at_the_end_no_pool_that_was_given_up_is_still_closing(tmp_path, monkeypatch):
+    monkeypatch.setattr(workers, "_run_in_slot", takes_a_while)
+    pool = workers.Workers(2)
+    (cell, *_) = plan(load(TINY))
+    pool.submit(tmp_path, cell, 0)
+    manager = pool._executor._executor_manager_thread
+    pool.replace()
+    assert manager.is_alive()
+    pool.close()
+    assert not manager.is_alive()

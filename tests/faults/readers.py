@@ -23,6 +23,8 @@ from tests.config.lab import LAB
 from visitlab_cli.errors import VisitlabError
 
 SLOW = 5.0
+TINY_RUN = "FAULTS_TINY_RUN"
+"""The variable in which who starts the fuzzing names the run whose files are fuzzed."""
 BOUNDARIES = (0, 1, 0x7F, 0x80, 0xFF, 0x7FFF, 0xFFFF, 0x7FFFFFFF, 0xFFFFFFFF, 0x7FFFFFFFFFFFFFFF, 0xFFFFFFFFFFFFFFFF)
 CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]")
 
@@ -73,9 +75,6 @@ def judged(what: str, read: Callable[[], Any], lines: int = 1) -> tuple[list[str
     if time.monotonic() - begun > SLOW:
         wrong.append(f"{what}: took {time.monotonic() - begun:.0f} s")
     return wrong, answer
-
-
-TINY_RUN = "FAULTS_TINY_RUN"
 
 
 @cache

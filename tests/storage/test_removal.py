@@ -74,6 +74,16 @@ def test_prune_removes_leftovers_and_damaged_cells_only(run):
     assert names(run) == whole
 
 
+def test_prune_keeps_what_only_ends_like_something_that_was_set_aside(run):
+    (run / "robot.damaged").touch()
+    (run / "thesis.damaged").mkdir()
+    (run / "thesis.damaged" / "cell.json").touch()
+    (run / "config.yaml.damaged").symlink_to(run.parent.parent / "precious" / "data")
+    everything = names(run)
+    assert prune(run).removed == []
+    assert names(run) == everything
+
+
 def test_prune_keeps_what_is_being_written_and_what_is_not_ours(run):
     (run / ".tmp-config.yaml-0123").touch()
     mine = run / "navigation" / "mf" / "seed-0001"

@@ -34,7 +34,7 @@ STOP = 0
 NOT_BEGUN = -1
 """The steps of a cell whose worker is still starting, importing or compiling."""
 GIVEN_UP_SECONDS = 5.0
-"""How long the end of a pool that was given up is waited for: it has nobody left to wait for itself."""
+"""How long `close` waits for a pool that was given up: its manager ends when its last worker does."""
 SAFE_PATH, MAIN = "PYTHONSAFEPATH", "__main__"
 
 _shared: Any = None
@@ -114,7 +114,7 @@ class Workers:
         """Wait for the workers to end."""
         if self._executor is not None:
             self._executor.shutdown(wait=True, cancel_futures=True)
-        for pool in self._given_up:  # their managers, too: Python's own end stumbles over one that is just closing
+        for pool in self._given_up:  # Python's own end stumbles over a manager that is just closing
             if (manager := pool.get("_executor_manager_thread")) is not None:
                 manager.join(GIVEN_UP_SECONDS)
 

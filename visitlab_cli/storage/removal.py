@@ -55,7 +55,8 @@ def prune(run: Path, dry_run: bool = False) -> Pruned:
 def _prune(run: Path, dry_run: bool) -> Pruned:
     damaged = [folder for folder in cell_folders(run) if read_cell(folder) is None]
     pruned = Pruned([], {})
-    for path in [*leftovers(run), *sorted(run.glob(f"*{DAMAGED}")), *damaged]:
+    aside = [run / f"{name}{DAMAGED}" for name in (CONFIG, VERSIONS)]  # what else ends so is the user's
+    for path in [*leftovers(run), *filter(_is_file, aside), *damaged]:
         name = path.relative_to(run).as_posix()
         reason = _in_use(path) or _holds_foreign(path)
         if reason:
@@ -130,6 +131,10 @@ def foreign_files(run: Path) -> Iterator[str]:
         for name in sorted(set(files) - known):
             if not (folder / name).is_symlink():
                 yield (folder / name).relative_to(run).as_posix()
+
+
+def _is_file(path: Path) -> bool:
+    return path.is_file() and not path.is_symlink()
 
 
 def _is_folder(path: Path) -> bool:

@@ -106,7 +106,10 @@ def make_lab(
 
 
 def _reach(passable: npt.NDArray[np.bool_]) -> npt.NDArray[np.int64]:
-    """How many unit steps in each direction are free one after the other, at most as many as a move has."""
+    """How many unit steps in each direction are free one after the other, at most as many as a move has.
+
+    Both `passable`, whether one is free, and what comes back have the shape (rows, cols, 8).
+    """
     rows, cols, _ = passable.shape
     reach = np.zeros(passable.shape, np.int64)
     for _ in range(MAX_SPEED):  # one more than the cell ahead has
