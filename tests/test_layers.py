@@ -10,7 +10,7 @@ import visitlab_cli
 PACKAGE = Path(visitlab_cli.__file__).parent
 FLOORS = [
     {"__init__", "errors", "settings", "sources", "stopping"},
-    {"kinds", "surroundings", "terminal"},
+    {"kinds", "origin", "surroundings", "terminal"},
     {"same_pictures", "whole_file", "wording"},
     {"yaml"},
     {"kernel_cache"},

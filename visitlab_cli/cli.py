@@ -85,7 +85,7 @@ def _run() -> None:
             raise KeyboardInterrupt from None
         raise
     except MemoryError as error:
-        end(RunError.exit_code, f"not enough memory: {error}")
+        end(RunError.exit_code, ": ".join(filter(None, ["not enough memory", str(error)])))
     except OSError as error:
         missing = error.filename is not None and isinstance(error, FileNotFoundError | NotADirectoryError)
         end(NotFoundError.exit_code if missing else RunError.exit_code, f"{_what(error)}: {reason(error)}")

@@ -7,9 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from visitlab_cli.errors import RunError, UsageError, reason
-
-SIGNATURE = 4
-"""So many bytes tell a picture's or a recording's format."""
+from visitlab_cli.origin import check_ours
 
 
 @contextlib.contextmanager
@@ -55,17 +53,11 @@ def write_whole(path: Path, content: bytes) -> None:
 
 
 def write_again(path: Path, content: bytes) -> None:
-    """Write a file whole, in the place of nothing but another of its kind: one that begins with the same bytes.
+    """Write a picture, recording or page whole, in the place of nothing but another that visitlab wrote.
 
     Raises:
-        UsageError: `path` is there and something else.
+        UsageError: `path` is there and somebody else's.
         RunError: it can't be written.
     """
-    try:
-        with path.open("rb") as there:
-            beginning = there.read(SIGNATURE)
-    except OSError:
-        beginning = b""  # nothing is there, or writing tells what is wrong
-    if beginning and beginning != content[:SIGNATURE]:
-        raise UsageError(f"{path}: exists and is no {path.suffix} file of ours; choose another file")
+    check_ours(path)
     write_whole(path, content)

@@ -83,5 +83,6 @@ def test_nothing_to_save_and_nothing_there(log):
     done = visitlab("recover", log)
     assert done.returncode == 4
     assert done.stderr == f"{log}: nothing in it can be saved: what is whole of it is no log\n"
+    assert not log.with_name("steps.recovered.mcap").exists()
     done = visitlab("recover", log.with_name("other.mcap"))
     assert (done.returncode, done.stderr) == (5, f"{log.with_name('other.mcap')}: no such file\n")

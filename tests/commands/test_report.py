@@ -36,7 +36,7 @@ def test_somebody_elses_file_is_not_overwritten(tiny_run, tmp_path):
     target.write_text("<!doctype html>\n<p>three years of work")
     done = visitlab("report", tiny_run, "-o", target)
     assert (done.returncode, done.stdout) == (2, "")
-    assert done.stderr == f"{target}: exists and is no report of visitlab; choose another file with -o\n"
+    assert done.stderr == f"{target}: exists and was not written by visitlab; move it away or choose another file\n"
     assert "three years" in target.read_text()
 
 

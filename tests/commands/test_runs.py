@@ -13,6 +13,8 @@ import pytest
 from tests.program import TINY, hashes, visitlab
 from tests.results.runs_by_hand import open_lab, reach
 from visitlab_cli.cli import main
+from visitlab_cli.sources import CHECK_DIGITS, _checked, sources
+from visitlab_cli.storage.cell_folder import to_json
 
 
 def tell(*arguments, answer=None):
@@ -116,7 +118,21 @@ def test_diff(lab):
     told = json_of("runs", "diff", lab, other)
     assert told["config"][2] == {"path": "vary.agents.mf.alpha", "second": [0.1, 0.5]}
     assert told["versions"] == [{"path": "visitlab", "first": "0", "second": "9"}]
-    assert tell("runs", "diff", lab, lab)[1] == f"{lab} and {lab}: the same config and versions\n"
+    assert tell("runs", "diff", lab, lab)[1] == f"{lab} and {lab}: the same config, versions and sources\n"
+
+
+def test_diff_tells_which_code_made_the_cells(run):
+    other = shutil.copytree(run, run.with_name("other-01234567"))
+    theirs = _checked("0" * (len(sources()) - CHECK_DIGITS))
+    for file in other.rglob("cell.json"):
+        file.write_text(to_json(json.loads(file.read_text()) | {"sources": theirs}))
+    code, out, _ = tell("runs", "diff", run, other)
+    assert code == 0
+    ((kind, what, first, second),) = rows(out)[1:]
+    assert (kind, what, second) == ("cells", "sources", f'["{theirs}"]')
+    assert json_of("runs", "diff", run, other)["cells"] == [
+        {"path": "sources", "first": json.loads(first), "second": [theirs]}
+    ]
 
 
 def test_verify_names_it_and_running_again_mends_that_alone(run):
@@ -175,13 +191,13 @@ def test_verify_of_an_edited_config(run):
 
 
 def test_prune(run):
-    (run / ".tmp-left").mkdir()
-    os.utime(run / ".tmp-left", (1, 1))
+    (run / ".tmp-left-01234567").mkdir()
+    os.utime(run / ".tmp-left-01234567", (1, 1))
     (run / "navigation/mf/seed-0000/cell.json").unlink()
     code, out, _ = tell("runs", "prune", run, "--dry-run")
-    assert (code, out) == (0, "would remove .tmp-left\nwould remove navigation/mf/seed-0000\n")
+    assert (code, out) == (0, "would remove .tmp-left-01234567\nwould remove navigation/mf/seed-0000\n")
     told = json_of("runs", "prune", run)
-    assert (told["removed"], told["kept"]) == ([".tmp-left", "navigation/mf/seed-0000"], {})
+    assert (told["removed"], told["kept"]) == ([".tmp-left-01234567", "navigation/mf/seed-0000"], {})
     assert tell("runs", "prune", run)[1] == f"{run}: nothing to remove\n"
     assert not (run / "navigation/mf/seed-0000").exists()
 

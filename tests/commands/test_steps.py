@@ -1,17 +1,23 @@
 """`visitlab steps`: the table of a trial says what the log says, in the words of the replay."""
 
 import json
+import re
 import subprocess
 import sys
 
 import pytest
+from mcap.reader import make_reader
+from mcap.writer import Writer
 
 from tests.program import visitlab
+from visitlab_cli.errors import RunError
 from visitlab_cli.log.reader import read_trial
 from visitlab_cli.log.tables import names_of
 from visitlab_cli.replay.choice import CHOOSE
+from visitlab_cli.scene.trial import load_trial
 from visitlab_cli.scene.words import LEVEL_NAMES, captions, direction_name, room_name
 from visitlab_cli.world.lab import paper_lab
+from visitlab_cli.world.tasks import TASK_NAMES
 
 CELL = "visit/fast/seed-0000"
 
@@ -51,6 +57,41 @@ def test_json_has_the_values_with_their_names(tiny_run):
         (["-e", "social", "--agent", "script"], "social/script/fast/seed-0000", ["step", "desired", "level", "reward"]),
     ],
 )
+@pytest.mark.parametrize("task", TASK_NAMES)
+def test_a_log_that_says_it_is_of_another_task_is_shown_or_refused_in_a_line(tiny_run, tmp_path, task):
+    refused = {}
+    for path in ("navigation/mf", "go_to_human/mb", "social/mb/fast", "visit/fast"):
+        with (tiny_run / path / "seed-0000" / "steps.mcap").open("rb") as file:
+            reader = make_reader(file)
+            (about,) = [each.metadata for each in reader.iter_metadata()]
+            messages = list(reader.iter_messages(log_time_order=False))
+        with (tmp_path / "a.mcap").open("wb") as stream:
+            writer = Writer(stream)
+            writer.start()
+            writer.add_metadata("visitlab", about | {"task": task})
+            channels = {
+                schema.name: writer.register_channel(
+                    channel.topic,
+                    channel.message_encoding,
+                    writer.register_schema(schema.name, schema.encoding, schema.data),
+                )
+                for schema, channel in {channel.topic: (schema, channel) for schema, channel, _ in messages}.values()
+            }
+            for schema, _, message in messages:
+                writer.add_message(channels[schema.name], message.log_time, message.data, message.publish_time)
+            writer.finish()
+        try:
+            for number in range(10):
+                trial = load_trial(tmp_path / "a.mcap", number)
+                captions(trial.steps, trial.lab)
+        except RunError as error:
+            refused[path.split("/")[0]] = str(error)
+    assert task not in refused
+    assert refused.keys() >= ({"social", "visit"} if task in ("navigation", "go_to_human") else set())
+    line = re.compile(r"/\S+/a.mcap: step \d+ of trial \d+ has .+, which there is not.*")
+    assert all(map(line.fullmatch, refused.values())), refused
+
+
 def test_a_training_trial_has_what_its_task_has(tiny_run, selection, cell, columns):
     done = visitlab("steps", tiny_run, *selection, "--trial", "best")
     title, _, head, *rows = done.stdout.splitlines()

@@ -67,6 +67,6 @@ def test_values_that_there_are_not_are_one_line(tiny_run, tmp_path):
 
     source = tiny_run / "visit" / "fast" / "seed-0000" / "steps.mcap"
     rewritten(source, tmp_path / "strange.mcap", list, strange)
-    check_values(source, read_trial(tmp_path / "strange.mcap", 1), paper_lab())
+    check_values(source, read_trial(tmp_path / "strange.mcap", 1), "visit", paper_lab())
     with pytest.raises(RunError, match="step 5 of trial 2 has goal_room 77, which there is not"):
-        check_values(source, read_trial(tmp_path / "strange.mcap", 2), paper_lab())
+        check_values(source, read_trial(tmp_path / "strange.mcap", 2), "visit", paper_lab())

@@ -220,9 +220,9 @@ def test_impossible_numbers_of_a_place_are_refused_like_any_other(tmp_path, step
     for name in ("robot_row", "human_col", "state"):
         wrong = columns | {"step": np.arange(21), name: np.full(21, 4_000_000_000, np.uint32)}
         with pytest.raises(RunError, match=rf"a.mcap: step 0 of trial 0 has {name} 4000000000, which there is not$"):
-            reader.check_values(tmp_path / "a.mcap", wrong, paper_lab())
+            reader.check_values(tmp_path / "a.mcap", wrong, "visit", paper_lab())
     with pytest.raises(RunError, match=r"a.mcap: row 3 has action 31, which there is not$"):
-        reader.check_values(tmp_path / "a.mcap", {"action": np.array([0, 30, 1, 31], np.uint8)}, paper_lab())
+        reader.check_values(tmp_path / "a.mcap", {"action": np.array([0, 30, 1, 31], np.uint8)}, "visit", paper_lab())
 
 
 def test_numbers_of_trials_and_steps_have_an_end(tmp_path, steps, messages):

@@ -78,9 +78,9 @@ def test_the_strip_is_drawn_as_wide_and_high_as_the_lab(trial, tmp_path):
 
 @pytest.mark.parametrize(("column", "value"), [("robot_row", 10), ("human_col", 12), ("goal_room", 6), ("state", 2560)])
 def test_what_it_does_not_have_is_refused(trial, column, value):
-    check_values(trial.path, dict(trial.steps), LAB)
+    check_values(trial.path, dict(trial.steps), trial.task, LAB)
     with pytest.raises(RunError, match=f"has {column} {value}, which there is not"):
-        check_values(trial.path, trial.steps | {column: np.full(3, value)}, LAB)
+        check_values(trial.path, trial.steps | {column: np.full(3, value)}, trial.task, LAB)
 
 
 def played(task, agent, trials, seed=3):

@@ -96,6 +96,18 @@ def test_verify_finds_what_hashes_do_not_tell(run):
     assert (name, problem.split()[0]) == ("model.npz", "successor_states")
 
 
+def test_verify_finds_a_log_that_says_that_it_is_another_cells(run):
+    cell, other = planned(run)["visit/fast/seed-0000"], planned(run)["visit/slow/seed-0000"]
+    shutil.copy(run / other.path / "steps.mcap", run / cell.path)
+    hostile.restate(run / cell.path)
+    assert cell_faults(run / cell.path, cell.path, cell.run_hash, cell.steps) == []
+    problem = f"its metadata says cell {other.path!r}, not {cell.path}"
+    assert unsound(run, cell) == ("steps.mcap", problem)
+    assert not [path for path, each in planned(run).items() if each is not cell and unsound(run, planned(run)[path])][
+        1:
+    ]
+
+
 def test_a_visit_does_not_start_from_a_model_that_is_not_its_modules(run):
     cells = planned(run)
     visit = cells["visit/fast/seed-0000"]

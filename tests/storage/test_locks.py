@@ -19,7 +19,7 @@ from visitlab_cli.storage.locks import HeldError, being_written, is_abandoned, l
 
 def left_by(run, owner, seconds_ago=0.0):
     """A hidden folder and its lock file, which nobody locks, as `owner` left it."""
-    folder = run / ".tmp-cell-0123"
+    folder = run / ".tmp-cell-01234567"
     folder.mkdir(parents=True)
     file = lock_of(folder)
     file.write_text(owner if isinstance(owner, str) else json.dumps(owner))
@@ -88,7 +88,7 @@ def test_where_nothing_can_be_locked_it_is_said_once_and_goes_on(tmp_path, monke
 
 @pytest.mark.parametrize("said", ["", "{", "[]"])
 def test_who_was_killed_before_it_said_who_it_was_is_gone(tmp_path, said):
-    file = tmp_path / ".tmp-x.lock"
+    file = tmp_path / ".tmp-x-01234567.lock"
     file.write_text(said)
     with file.open("r+") as held:
         fcntl.flock(held, fcntl.LOCK_EX)

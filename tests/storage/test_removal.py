@@ -6,12 +6,13 @@ import shutil
 import pytest
 
 from visitlab_cli.errors import NotFoundError, RunError, UsageError
-from visitlab_cli.storage.cell_folder import NewCell
+from visitlab_cli.origin import HTML
+from visitlab_cli.storage.cell_folder import NewCell, remove_leftovers
 from visitlab_cli.storage.locks import being_written
-from visitlab_cli.storage.on_disk import OF_REPORT
 from visitlab_cli.storage.removal import prune, remove_run
 
 RUN = "lab-01234567"
+SVG = '<?xml version="1.0"?>\n<svg><dc:title>visitlab</dc:title></svg>'
 CELL = "navigation/mf/seed-0000"
 FACTS = {
     "cell": CELL,
@@ -53,19 +54,19 @@ def test_prune_removes_leftovers_and_damaged_cells_only(run):
     for damaged in ("navigation/mf/seed-0001", "evaluations/01234567/visit/fast/model-0000/seed-0002"):
         write(run, damaged)
         (run / damaged / "cell.json").rename(run / damaged / "cell.json.damaged")
-    (run / ".tmp-navigation-0123").mkdir()
-    (run / ".tmp-navigation-0123" / "steps.mcap").touch()
-    os.utime(run / ".tmp-navigation-0123", (1, 1))
-    (run / ".tmp-config.yaml-0123").touch()
-    os.utime(run / ".tmp-config.yaml-0123", (1, 1))
+    (run / ".tmp-navigation-mf-seed-0001-01234567").mkdir()
+    (run / ".tmp-navigation-mf-seed-0001-01234567" / "steps.mcap").touch()
+    os.utime(run / ".tmp-navigation-mf-seed-0001-01234567", (1, 1))
+    (run / ".tmp-01234567-config.yaml").touch()
+    os.utime(run / ".tmp-01234567-config.yaml", (1, 1))
     (run / "versions.json.damaged").touch()
     everything = names(run)
     told = prune(run, dry_run=True)
     assert names(run) == everything
     assert prune(run) == told
     assert set(told.removed) == {
-        ".tmp-navigation-0123",
-        ".tmp-config.yaml-0123",
+        ".tmp-navigation-mf-seed-0001-01234567",
+        ".tmp-01234567-config.yaml",
         "versions.json.damaged",
         "navigation/mf/seed-0001",
         "evaluations/01234567/visit/fast/model-0000/seed-0002",
@@ -85,7 +86,7 @@ def test_prune_keeps_what_only_ends_like_something_that_was_set_aside(run):
 
 
 def test_prune_keeps_what_is_being_written_and_what_is_not_ours(run):
-    (run / ".tmp-config.yaml-0123").touch()
+    (run / ".tmp-01234567-config.yaml").touch()
     mine = run / "navigation" / "mf" / "seed-0001"
     mine.mkdir()
     for name in ("model.npz", "steps.recovered.mcap"):
@@ -97,7 +98,7 @@ def test_prune_keeps_what_is_being_written_and_what_is_not_ours(run):
         assert told.kept == {
             new.folder.name: "is being written",
             f"{new.folder.name}.lock": "is being written",
-            ".tmp-config.yaml-0123": "is being written",
+            ".tmp-01234567-config.yaml": "is being written",
             "navigation/mf/seed-0001": "holds steps.recovered.mcap, which is not visitlab's",
         }
         with pytest.raises(RunError, match="is being written"):
@@ -105,14 +106,26 @@ def test_prune_keeps_what_is_being_written_and_what_is_not_ours(run):
     assert (mine / "model.npz").exists()
 
 
+@pytest.mark.parametrize("place", [".tmp-mine/data", ".tmp-mine-01234567/data", ".tmp-data", ".tmp-mine-01234567"])
+def test_what_only_looks_temporary_is_left_by_all_that_clear_up(run, place):
+    foreign(place)(run)
+    for path in (run / place, run / place.split("/")[0]):
+        os.utime(path, (1, 1))
+    everything = names(run)
+    remove_leftovers(run)
+    told = prune(run)
+    assert (told.removed, told.kept) == ([], {})
+    assert names(run) == everything
+
+
 def test_links_are_removed_and_never_followed(run, tmp_path):
     precious = tmp_path / "precious"
-    (run / ".tmp-link").symlink_to(precious)
-    os.utime(run / ".tmp-link", (1, 1), follow_symlinks=False)
+    (run / ".tmp-link-01234567").symlink_to(precious)
+    os.utime(run / ".tmp-link-01234567", (1, 1), follow_symlinks=False)
     (run / "social").symlink_to(precious)
     (run / "notes").symlink_to(precious / "data")
     (run / CELL / "steps.mcap").symlink_to(precious / "data")
-    assert prune(run).removed == [".tmp-link"]
+    assert prune(run).removed == []
     remove_run(run)
     assert not run.exists()
     assert (precious / "data").read_text() == "x"
@@ -120,13 +133,15 @@ def test_links_are_removed_and_never_followed(run, tmp_path):
 
 def test_a_run_with_all_that_visitlab_writes_is_removed(run, tmp_path):
     (run / "figures").mkdir()
-    (run / "figures" / "fig6.svg").touch()
-    (run / "report.html").write_bytes(OF_REPORT + b"<html>")
+    (run / "figures" / "fig6.svg").write_text(SVG)
+    (run / "report.html").write_bytes(HTML.encode() + b"<html>")
     (run / ".lock").touch()
-    (run / ".tmp-left").mkdir()
-    os.utime(run / ".tmp-left", (1, 1))
+    (run / ".tmp-left-01234567").mkdir()
+    os.utime(run / ".tmp-left-01234567", (1, 1))
     (run / "evaluations" / "01234567").mkdir(parents=True)
-    (run / "evaluations" / "01234567" / "matrix.svg").touch()
+    (run / "evaluations" / "01234567" / "matrix.svg").write_text(SVG)
+    for folder in (run, run / "figures", run / "evaluations" / "01234567"):  # of a process that was killed
+        (folder / ".tmp-01234567-fig6.svg").touch()
     remove_run(run)
     assert names(tmp_path) == ["precious/data"]
 
@@ -159,6 +174,12 @@ REFUSED = {
     "a folder of mine": (foreign("thesis/chapter.tex"), RunError, "holds thesis/chapter.tex"),
     "mine in a cell": (foreign(f"{CELL}/notes.txt"), RunError, f"holds {CELL}/notes.txt"),
     "a picture of mine": (foreign("figures/mine.svg"), RunError, "holds figures/mine.svg"),
+    "a drawing of mine, called as one of yours": (foreign("figures/fig6.svg"), RunError, "holds figures/fig6.svg"),
+    "a matrix of mine": (foreign("evaluations/01234567/matrix.svg"), RunError, "holds evaluations/01234567/matrix.svg"),
+    "a temporary folder of mine": (foreign(".tmp-mine/data"), RunError, "holds .tmp-mine/data"),
+    "mine, called as one of yours": (foreign(".tmp-mine-01234567/data"), RunError, "holds .tmp-mine-01234567/data"),
+    "a temporary file of mine": (foreign(".tmp-data"), RunError, "holds .tmp-data"),
+    "a temporary file in a cell": (foreign(f"{CELL}/.tmp-01234567-a"), RunError, f"holds {CELL}/.tmp-01234567-a"),
     "a page of mine": (foreign("report.html"), RunError, "holds report.html"),
     "a model of mine": (foreign("navigation/model.npz"), RunError, "holds navigation/model.npz"),
 }

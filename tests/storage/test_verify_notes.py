@@ -128,6 +128,7 @@ def test_files_of_the_users_are_noted(run):
     theirs += ["evaluations/01234567/visit/fast/seed-0000/notes.txt", "figures/mine.svg", "report.html"]
     for name in ours + theirs:
         (run / name).touch()
+    (run / "figures/fig6.svg").write_text("<?xml ?><dc:title>visitlab</dc:title>")
     (note,) = told(run)
     assert note.startswith("not visitlab's: ideas.md, ")
     assert note.endswith(" and 3 more")

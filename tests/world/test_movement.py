@@ -13,6 +13,7 @@ from visitlab_cli.world.robot import acted
 from visitlab_cli.world.scene import NOWHERE, Body
 
 SIZE = 5
+EAST, NORTH_EAST = int(Direction.EAST), int(Direction.NORTH_EAST)
 cells = st.tuples(st.integers(0, SIZE - 1), st.integers(0, SIZE - 1))
 
 
@@ -54,9 +55,9 @@ def test_a_move_is_a_straight_line_that_walls_only_shorten(walls, cell, directio
 
 def test_a_diagonal_never_slides_along_a_wall():
     grid = make_lab(SIZE, SIZE, [((2, 2), (1, 2))])
-    assert move(grid, 2, 2, Direction.NORTH_EAST, 3, ALL_OPEN) == (2, 2)
-    assert move(grid, 2, 1, Direction.NORTH_EAST, 1, ALL_OPEN) == (2, 1)
-    assert move(grid, 2, 2, Direction.EAST, 1, ALL_OPEN) == (2, 3)
+    assert move(grid, 2, 2, NORTH_EAST, 3, ALL_OPEN) == (2, 2)
+    assert move(grid, 2, 1, NORTH_EAST, 1, ALL_OPEN) == (2, 1)
+    assert move(grid, 2, 2, EAST, 1, ALL_OPEN) == (2, 3)
 
 
 def test_a_wall_lies_between_straight_neighbours():
@@ -100,8 +101,8 @@ def test_the_last_of_64_doors_can_be_shut_and_a_65th_is_refused():
     doors = [[((0, 0), (0, 1))] if number == 63 else [((3, 3), (3, 4))] for number in range(64)]
     lab = make_lab(SIZE, SIZE, doors=doors)
     shut = int(np.int64(np.uint64(2**64 - 1 - 2**63)))
-    assert move(lab, 0, 0, Direction.EAST, 1, shut) == (0, 0)
-    assert move(lab, 0, 0, Direction.EAST, 1, ALL_OPEN) == (0, 1)
-    assert move(lab, 3, 3, Direction.EAST, 1, shut) == (3, 4)
+    assert move(lab, 0, 0, EAST, 1, shut) == (0, 0)
+    assert move(lab, 0, 0, EAST, 1, ALL_OPEN) == (0, 1)
+    assert move(lab, 3, 3, EAST, 1, shut) == (3, 4)
     with pytest.raises(ValueError, match="at most 64"):
         make_lab(SIZE, SIZE, doors=[*doors, []])

@@ -52,10 +52,13 @@ def command(
     """
     from visitlab_cli.affordances.learned import affordances
     from visitlab_cli.affordances.plain import as_json as to_json
+    from visitlab_cli.origin import check_ours
     from visitlab_cli.plan.cells import plan
     from visitlab_cli.plan.selection import Selection
     from visitlab_cli.storage.run_folder import find_run, read_config
 
+    if picture is not None:
+        check_ours(picture)
     folder = find_run(run, out)
     found = affordances(folder, plan(read_config(folder)), Selection(experiment, human, agent, seed, tuple(at or ())))
     if picture is not None:

@@ -95,7 +95,7 @@ def command(
     cells, variants = plan(read_config(folder)), [*asked, *beside]
     compared = compare(folder, cells, variants, margin)
     if not compared.curves:
-        reason = compared.absent[0][1]
+        reason = next((each for _, each in compared.absent if each.is_planned), compared.absent[0][1])
         raise NotFoundError(f"{folder}: has no curve that was published ({reason.group}: {reason.reason}, and so on)")
     if page is not None:
         from visitlab_cli.figures.making import make_figures

@@ -44,10 +44,13 @@ def command(
         raise UsageError("--png and --step: a picture needs both, as in --png picture.png --step 12")
     if save is not None and save.suffix.lower() != ".rrd":
         raise UsageError(f"--save {save}: must end in .rrd")
+    from visitlab_cli.origin import check_ours
     from visitlab_cli.plan.selection import Selection
     from visitlab_cli.replay.choice import choose_trial, find_logs
     from visitlab_cli.scene.trial import load_trial
 
+    if target := save or png or strip:
+        check_ours(target)
     picked = choose_trial(find_logs(run, out, Selection(experiment, human, agent, seed, tuple(at or ()))), trial)
     chosen = load_trial(picked.log.path, picked.trial)
     if save is None and not web and png is None and strip is None:
@@ -79,6 +82,6 @@ def command(
             serve(content, lambda address: tell(address, "Ctrl-C ends it."))
         else:
             show(content)
-    if target := save or png or strip:
+    if target:
         told = {"cell": picked.log.cell, "trial": chosen.number, "file": str(target)}
         tell_json(told, None) if as_json else tell(f"{picked.log.cell}, trial {chosen.number}: {target}")

@@ -35,7 +35,7 @@ def command(
     as_json: Json = False,
 ) -> None:
     """Print a recorded trial as a table, one step a line, in the words of the replay."""
-    from visitlab_cli.log.reader import check_values, read_trial
+    from visitlab_cli.log.reader import check_values, read_metadata, read_trial
     from visitlab_cli.plan.selection import Selection
     from visitlab_cli.replay.choice import choose_trial, find_logs
     from visitlab_cli.scene.trial import lab_of_log
@@ -46,7 +46,7 @@ def command(
         tell(chosen.note, err=True)
     steps = read_trial(log.path, number)
     lab = lab_of_log(log.path)
-    check_values(log.path, steps, lab)
+    check_values(log.path, steps, read_metadata(log.path)["task"], lab)
     if as_json:
         told = {"cell": log.cell, "trial": number, "steps": plain(steps, lab)}
         tell_json(told)

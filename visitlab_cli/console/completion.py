@@ -80,7 +80,14 @@ def varied(ctx: typer.Context, incomplete: str) -> list[str]:
 
 
 def _all_runs(ctx: typer.Context) -> list[Path]:
-    return sorted(file.parent for file in Path(ctx.params.get("out") or "runs").glob(f"*/{CONFIG}"))
+    return [folder for folder in sorted(Path(ctx.params.get("out") or "runs").glob("*")) if _has_config(folder)]
+
+
+def _has_config(folder: Path) -> bool:
+    try:
+        return (folder / CONFIG).is_file()
+    except PermissionError:
+        return False
 
 
 def _declared(ctx: typer.Context, section: str) -> list[str]:
@@ -90,7 +97,7 @@ def _declared(ctx: typer.Context, section: str) -> list[str]:
         known.sort(key=lambda run: run.stat().st_mtime, reverse=True)
     fitting = [Path(word), *(run for run in known if word == LATEST or run.name.startswith(word))]
     for run in fitting:
-        if word and (run / CONFIG).is_file():
+        if word and _has_config(run):
             return list(_entries(run / CONFIG, section))
     return []
 

@@ -52,18 +52,21 @@ def play_matrix(run: Path, planned: "Planned", picture: Path | None, how: How) -
 
     Raises:
         RunError: a cell failed, or the picture can't be written.
-        UsageError: quiet and verbose at once.
+        UsageError: quiet and verbose at once, or what lies in the picture's place is not visitlab's.
     """
     from visitlab_cli.figures.matrix_picture import save_matrix
+    from visitlab_cli.origin import check_ours
     from visitlab_cli.results.matrix import matrix_of
     from visitlab_cli.storage.inside import check_inside
 
+    target = picture or run / PICTURE
+    check_ours(target)
     failures = run_missing(run, [cell for each in planned.values() for cell in each], how)
     if failures is None:
         return
     if picture is None:
         check_inside(run, run / PICTURE)
-    matrix, target = matrix_of(run, planned), picture or run / PICTURE
+    matrix = matrix_of(run, planned)
     if how.as_json:
         tell_json({"run": str(run), **matrix.as_json(), "picture": str(target)})
     else:

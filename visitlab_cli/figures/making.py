@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 from visitlab_cli.errors import NotFoundError, UsageError
 from visitlab_cli.figures.grid_figure import draw_grid
+from visitlab_cli.origin import check_ours
 from visitlab_cli.paper.figures.fig7 import draw_fig7
 from visitlab_cli.paper.figures.fig9 import Strip, draw_fig9
 from visitlab_cli.paper.figures.learning_figure import draw_fig6, draw_fig8
@@ -15,8 +16,8 @@ from visitlab_cli.pictures.drawing import Drawing
 from visitlab_cli.pictures.style import FORMATS, STRIP_STYLE, STYLE, save, styled
 from visitlab_cli.storage.inside import check_inside
 from visitlab_cli.storage.locks import being_written
+from visitlab_cli.storage.on_disk import FIGURES
 
-FOLDER = "figures"
 FIG_9, GRID = "fig9", "grid"
 DRAW: dict[str, Callable[[Source], Drawing]] = {
     "fig6": draw_fig6,
@@ -48,7 +49,7 @@ def make_figures(
         into: the folder for them, made where it is missing; `RUN/figures/` if not given.
 
     Raises:
-        UsageError: no such figure or format.
+        UsageError: no such figure or format, or what lies in the place of one is not visitlab's.
         NotFoundError: this is no run, or it holds nothing that was asked for.
         RunError: the run is damaged, or a file cannot be written.
     """
@@ -60,8 +61,8 @@ def make_figures(
     source = open_source(run)
     with being_written(run) if into is None else nullcontext():
         if into is None:
-            check_inside(run, run / FOLDER)
-        made = _make(source, strip, [name for name in NAMES if not only or name in only], kind, into or run / FOLDER)
+            check_inside(run, run / FIGURES)
+        made = _make(source, strip, [name for name in NAMES if not only or name in only], kind, into or run / FIGURES)
     if not made.files:
         raise NotFoundError(f"{run}: holds nothing for {', '.join(made.notes)}; configs/paper/ has what each needs")
     return made
@@ -69,6 +70,8 @@ def make_figures(
 
 def _make(source: Source, strip: Strip, names: Sequence[str], kind: str, into: Path) -> Made:
     made = Made([], {})
+    for name in names:
+        check_ours(into / f"{name}.{kind}")  # all of them before one is drawn
     for name in names:
         with styled(STRIP_STYLE if name == FIG_9 else STYLE):
             drawing = _draw(source, name, strip)

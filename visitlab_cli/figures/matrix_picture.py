@@ -46,6 +46,7 @@ def save_matrix(matrix: Matrix, target: Path) -> None:
     """Write the picture in the format of the target's ending: svg, png or pdf; the same bytes for the same matrix.
 
     Raises:
+        UsageError: what is there is not visitlab's.
         RunError: it cannot be written.
     """
     with styled(STYLE):

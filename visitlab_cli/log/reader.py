@@ -19,7 +19,7 @@ from visitlab_cli.log.lookup import Found, looked_up, searched
 from visitlab_cli.log.schema import ONE_TRIAL_IN, TRIAL
 from visitlab_cli.wording import or_else
 from visitlab_cli.world.columns import COLUMNS
-from visitlab_cli.world.enums import N_DISTANCES
+from visitlab_cli.world.enums import N_DISTANCES, Action
 from visitlab_cli.world.lab import Lab
 from visitlab_cli.world.tasks import TASKS
 
@@ -119,26 +119,36 @@ def read_attachment(path: Path, name: str) -> bytes | None:
         return log.attachment(name)
 
 
-def check_values(path: Path, steps: Columns, lab: Lab) -> None:
-    """Refuse what no simulation in `lab` can have logged and no word or picture exists for: others may write anything.
+def check_values(path: Path, steps: Columns, task: str, lab: Lab) -> None:
+    """Refuse what no simulation of `task` in `lab` can have logged, and no word or picture exists for.
 
     Raises:
         RunError: it names the first step of `steps`, the columns of a trial, with such a value.
     """
     most: dict[str, int] = {column.name: int(max(column.enum)) for column in COLUMNS if column.enum is not None}
-    most_states = max(task.size(lab).n_states for task in TASKS.values())
-    most |= {"goal_room": lab.n_rooms - 1, "distance": N_DISTANCES - 1, "state": most_states - 1}
+    n_states, n_actions = TASKS[task].size(lab)
+    most |= {"goal_room": lab.n_rooms - 1, "distance": N_DISTANCES - 1, "state": n_states - 1}
+    known = {
+        "action": [*range(n_actions), Action.NO_ACTION],
+        "executed_action": [*range(Action.GO_TO_HUMAN_VISION), Action.NO_ACTION],
+    }
     in_arena = "goal_room" not in steps and "human_row" in steps
     for axis, size in (("row", lab.rows), ("col", lab.cols)):
         most |= dict.fromkeys((f"robot_{axis}", f"human_{axis}"), (LARGEST_ARENA if in_arena else size) - 1)
     for name, column in steps.items():
         values: npt.NDArray[Any] = column
-        wrong = values > most[name] if name in most else ~np.isfinite(values) if values.dtype.kind == "f" else None
-        if wrong is not None and wrong.any():
+        if name in known:
+            wrong = ~np.isin(values, known[name])
+        elif name in most:
+            wrong = values > most[name]
+        else:
+            wrong = ~np.isfinite(values)
+        if wrong.any():
             row = int(np.argmax(wrong))
-            known = "step" in steps and "trial" in steps
-            where = f"step {steps['step'][row]} of trial {steps['trial'][row]}" if known else f"row {row}"
-            raise RunError(f"{path}: {where} has {name} {values[row]}, which there is not")
+            is_named = "step" in steps and "trial" in steps
+            where = f"step {steps['step'][row]} of trial {steps['trial'][row]}" if is_named else f"row {row}"
+            there = f" in {task}" if name in known and values[row] <= max(Action) else ""
+            raise RunError(f"{path}: {where} has {name} {values[row]}, which there is not{there}")
 
 
 def _recorded(log: Log, found: Found) -> str:

@@ -5,8 +5,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from visitlab_cli.errors import RunError, reason
+from visitlab_cli.origin import METADATA
 from visitlab_cli.same_pictures import same_pictures
-from visitlab_cli.whole_file import write_whole
+from visitlab_cli.whole_file import write_again
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -19,8 +20,8 @@ INK, GREY = "#222222", "#666666"
 PAGE = 7.2  # inches: both columns of a paper
 FONT_SIZE, SMALL = 7.0, 5.8
 PIXELS_PER_INCH = 300
-FORMATS: dict[str, dict[str, Any]] = {"svg": {"Date": None}, "png": {}, "pdf": {"CreationDate": None}}
-"""With what each format needs to give the same bytes for the same picture."""
+FORMATS = tuple(METADATA)
+"""The endings of pictures."""
 
 STRIP_STYLE: Any = {"font.size": 6.5}
 STYLE: Any = {
@@ -55,22 +56,24 @@ def save(figure: "Figure", target: Path) -> None:
     """Write a figure in the format of its ending; the file appears whole or not at all.
 
     Raises:
+        UsageError: `target` is there and not visitlab's.
         RunError: it cannot be written.
     """
     kind = target.suffix[1:]
     content = BytesIO()
-    figure.savefig(content, format=kind, dpi=PIXELS_PER_INCH, metadata=FORMATS[kind])
+    figure.savefig(content, format=kind, dpi=PIXELS_PER_INCH, metadata=METADATA[kind])
     write(target, content.getvalue())
 
 
 def write(target: Path, content: bytes) -> None:
-    """Write a file, and the folder that it lies in; it appears whole or not at all.
+    """Write a picture or page, and the folder that it lies in; it appears whole or not at all.
 
     Raises:
+        UsageError: `target` is there and not visitlab's.
         RunError: it cannot be written.
     """
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise RunError(f"{target}: can't be written: {reason(error)}") from error
-    write_whole(target, content)
+    write_again(target, content)

@@ -8,23 +8,42 @@ from visitlab_cli.agents.base import Setting
 from visitlab_cli.agents.declared import RANDOM_STATE, Declared, floats
 from visitlab_cli.agents.exploration import Table
 from visitlab_cli.config.experiment import lab_of
-from visitlab_cli.errors import VisitlabError
+from visitlab_cli.errors import RunError, VisitlabError
+from visitlab_cli.log.reader import read_metadata
 from visitlab_cli.plan.cells import Cell
 from visitlab_cli.plan.evaluation import AS_DECLARED
 from visitlab_cli.storage.arrays import Arrays, damaged, read_model, read_trials
-from visitlab_cli.storage.cell_folder import MODEL, TRIALS
-from visitlab_cli.wording import printable
+from visitlab_cli.storage.cell_folder import MODEL, STEPS, TRIALS
+from visitlab_cli.storage.reading import UnreadableError, is_file
+from visitlab_cli.wording import printable, shown
 
 
 def unsound(run: Path, cell: Cell) -> tuple[str, str] | None:
-    """What is wrong with what a finished cell holds, as file and problem; None where it is as its plan says."""
-    for name, read in ((MODEL, model_of), (TRIALS, partial(trials_of, as_planned=True))):
+    """What is wrong with what a finished cell holds, as file and problem; None where it is as its plan says.
+
+    Raises:
+        UnreadableError: nobody can tell.
+    """
+    for name, read in ((MODEL, model_of), (TRIALS, partial(trials_of, as_planned=True)), (STEPS, _check_log)):
         try:
             read(run, cell)
+        except UnreadableError:
+            raise
         except VisitlabError as error:
             place = f"{printable(str(run / cell.path / name))}: "
             return name, str(error).removeprefix(place).removeprefix("damaged: ").partition("; visitlab runs verify")[0]
     return None
+
+
+def _check_log(run: Path, cell: Cell) -> None:
+    """Refuse a log that says of itself that it is another cell's; where none is recorded there is none."""
+    file = run / cell.path / STEPS
+    if not is_file(file):
+        return
+    about = read_metadata(file)
+    for name, wanted in (("cell", cell.path), ("seed", str(cell.seed))):
+        if about.get(name) != wanted:
+            raise RunError(f"{printable(str(file))}: its metadata says {name} {shown(about.get(name))}, not {wanted}")
 
 
 def setting_of(cell: Cell) -> Setting:

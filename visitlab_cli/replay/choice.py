@@ -14,6 +14,7 @@ from visitlab_cli.plan.cells import Cell, plan
 from visitlab_cli.plan.selection import MOST_NAMED, Selection
 from visitlab_cli.storage.arrays import read_trials
 from visitlab_cli.storage.cell_folder import STEPS, TRIALS, read_cell, reason
+from visitlab_cli.storage.reading import check_damage
 from visitlab_cli.storage.run_folder import find_run, read_config
 from visitlab_cli.wording import few, printable
 from visitlab_cli.world.enums import InteractionLevel
@@ -75,6 +76,8 @@ def find_logs(word: str, out: Path, selection: Selection) -> Logs:
     try:
         is_file = file.is_file()
     except (OSError, ValueError) as error:
+        if isinstance(error, OSError):
+            check_damage(file, error)
         raise NotFoundError(f"{printable(word)}: {reason(error)}") from None
     if is_file or file.suffix == ".mcap":
         if str(selection):

@@ -6,6 +6,7 @@ import time
 from pathlib import Path
 
 from visitlab_cli.errors import RunError, UsageError
+from visitlab_cli.origin import marked_png
 from visitlab_cli.replay.program import LOOPBACK, answers, free_port, started
 from visitlab_cli.replay.recording import record
 from visitlab_cli.replay.stage import TIMELINE
@@ -32,7 +33,7 @@ def save_picture(trial: Trial, step: int, target: Path) -> None:
     """Write the viewer's picture of a step as a PNG of `WIDTH` x `HEIGHT`.
 
     Raises:
-        UsageError: the trial has no such step, or the target is no .png.
+        UsageError: the trial has no such step, the target is no .png, or what is there is not visitlab's.
         RunError: there is no driver, the viewer failed, or the target cannot be written.
     """
     if not 0 <= step <= trial.last_step:
@@ -60,7 +61,7 @@ def save_picture(trial: Trial, step: int, target: Path) -> None:
             line = "".join(str(error).strip().splitlines()[:1]) or type(error).__name__
             why = NO_DRIVER if viewer.poll() is not None else "it runs, but is too slow or busy; try again"
             raise RunError(f"the viewer drew no picture: {line}; {why}") from error
-        write_again(target, picture.read_bytes())
+        write_again(target, marked_png(picture.read_bytes()))
 
 
 def _take(port: int, recording: Path, step: int, picture: Path) -> None:

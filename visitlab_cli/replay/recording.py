@@ -2,6 +2,7 @@
 
 import rerun as rr
 
+from visitlab_cli.origin import NAME
 from visitlab_cli.replay import curves
 from visitlab_cli.replay.blueprint import blueprint_of
 from visitlab_cli.replay.drawing import draw_scene
@@ -9,17 +10,15 @@ from visitlab_cli.replay.stage import Stage
 from visitlab_cli.scene.scene import Scene
 from visitlab_cli.scene.trial import Trial
 
-APPLICATION = "visitlab"
-
 
 def record(trial: Trial) -> bytes:
     """The content of an .rrd file: the trial on the timeline `step`, and its blueprint."""
-    name = f"{trial.cell}, trial {trial.number}"
-    recording = rr.RecordingStream(APPLICATION, recording_id=f"{trial.cell}/trial-{trial.number}")
+    title = f"{trial.cell}, trial {trial.number}"
+    recording = rr.RecordingStream(NAME, recording_id=f"{trial.cell}/trial-{trial.number}")
     stream = rr.binary_stream(recording)
     stage = Stage(Scene(trial), recording)
     recording.send_blueprint(blueprint_of(stage.scene))
-    recording.send_recording_name(name)
+    recording.send_recording_name(title)
     draw_scene(stage)
     curves.draw_words(stage)
     curves.draw_states(stage)

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from visitlab_cli.errors import RunError, UsageError
+from visitlab_cli.origin import METADATA
 from visitlab_cli.replay import panel
 from visitlab_cli.same_pictures import same_pictures
 from visitlab_cli.scene.colours import (
@@ -35,25 +36,24 @@ KEY_GAP, KEY_LINE, KEY_ENTRY, KEY_LETTER = 0.06, 0.14, 0.35, 0.052
 FONT_SIZE = 6.5
 IN_ONE_CELL = "both in one cell"
 PIXELS_PER_INCH = 300
-FORMATS: dict[str, dict[str, Any]] = {".png": {}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
-"""With what each format needs to give the same bytes for the same trial."""
+ENDINGS = (".png", ".svg", ".pdf")
 
 
 def save_strip(trial: Trial, target: Path) -> None:
     """Write the strip as .png, .svg or .pdf.
 
     Raises:
-        UsageError: another ending.
+        UsageError: another ending, or what is there is not visitlab's.
         RunError: matplotlib is missing, or the target cannot be written.
     """
     ending = target.suffix.lower()
-    if ending not in FORMATS:
-        raise UsageError(f"--strip {target}: must end in {', '.join(FORMATS)}")
+    if ending not in ENDINGS:
+        raise UsageError(f"--strip {target}: must end in {', '.join(ENDINGS)}")
     content = BytesIO()
     try:
         with same_pictures({"font.size": FONT_SIZE}):
             draw_strip(trial, strip_steps(trial.steps, trial.lab)).savefig(
-                content, format=ending[1:], dpi=PIXELS_PER_INCH, metadata=FORMATS[ending]
+                content, format=ending[1:], dpi=PIXELS_PER_INCH, metadata=METADATA[ending[1:]]
             )
     except ModuleNotFoundError as error:
         raise RunError("a strip needs matplotlib; install it with pip install matplotlib") from error

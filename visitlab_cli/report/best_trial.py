@@ -65,7 +65,7 @@ def _plain(run: Path, name: str, cell: Cell, number: int, reward: float) -> dict
     log = run / cell.path / STEPS
     whole = read_trial(log, number)
     lab = lab_of(cell.settings)
-    check_values(log, whole, lab)
+    check_values(log, whole, cell.task, lab)
     steps: Steps = {column: values[: MOST_STEPS + 1] for column, values in whole.items()}
     trial = Trial(log, cell.path, cell.task, number, steps, lab, tuple(cell.config.interaction.distances))
     return {

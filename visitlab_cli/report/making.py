@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from visitlab_cli.config.model import Config
-from visitlab_cli.errors import NotFoundError, RunError, UsageError
+from visitlab_cli.errors import NotFoundError
 from visitlab_cli.plan.cells import Cell, plan
 from visitlab_cli.report.best_trial import best_trials
 from visitlab_cli.report.curves import Chart, charts_of
@@ -17,13 +17,13 @@ from visitlab_cli.results.expected import Result, results
 from visitlab_cli.results.marginal import marginals
 from visitlab_cli.results.pairs import AGENT, Pair, compare_by
 from visitlab_cli.results.summary import summaries
-from visitlab_cli.storage.cell_folder import SOURCES, one_line, read_cell
+from visitlab_cli.storage.cell_folder import SOURCES, read_cell
 from visitlab_cli.storage.inside import check_inside
 from visitlab_cli.storage.locks import being_written
 from visitlab_cli.storage.made_by import sources_of
-from visitlab_cli.storage.on_disk import OF_REPORT, REPORT
+from visitlab_cli.storage.on_disk import REPORT
 from visitlab_cli.storage.run_folder import read_config, read_versions, run_name
-from visitlab_cli.whole_file import write_whole
+from visitlab_cli.whole_file import write_again
 
 
 class Report(NamedTuple):
@@ -90,30 +90,15 @@ def make_report(run: Path, target: Path | None = None) -> Path:
 
     Raises:
         NotFoundError: this is no run folder.
-        UsageError: `target` is there and no report.
+        UsageError: it is there and not visitlab's.
         RunError: the run is damaged, or the file cannot be written.
     """
     file = target or run / REPORT
     page = render(*gather(run)).encode()
     if target is not None:
-        _check(file)
-        write_whole(file, page)
+        write_again(file, page)
         return file
     with being_written(run):
         check_inside(run, file)
-        _check(file)
-        write_whole(file, page)
+        write_again(file, page)
     return file
-
-
-def _check(file: Path) -> None:
-    """Refuse to take the place of anything but a report."""
-    try:
-        with file.open("rb") as there:
-            ours = there.read(len(OF_REPORT)) == OF_REPORT
-    except (FileNotFoundError, NotADirectoryError):
-        return
-    except OSError as error:
-        raise RunError(f"{file}: can't be written: {one_line(error)}") from error
-    if not ours:
-        raise UsageError(f"{file}: exists and is no report of visitlab; choose another file with -o")

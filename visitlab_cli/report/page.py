@@ -9,6 +9,7 @@ from typing import Any
 
 from visitlab_cli.colours import PALETTE
 from visitlab_cli.config.experiment import lab_of
+from visitlab_cli.origin import HTML
 from visitlab_cli.report.choices import Choices
 from visitlab_cli.report.curves import Chart
 from visitlab_cli.report.differences import against_script, differences
@@ -23,7 +24,6 @@ from visitlab_cli.scene.scene import TRAIL_STEPS
 from visitlab_cli.scene.shapes import Area, Line, Polygon, Role, Shape
 from visitlab_cli.scene.sight import FACES_DEGREES, SEES_DEGREES
 from visitlab_cli.scene.words import LEVEL_NAMES
-from visitlab_cli.storage.on_disk import OF_REPORT
 from visitlab_cli.world.enums import DISTANCE_NAMES
 from visitlab_cli.world.lab import Lab
 
@@ -77,7 +77,7 @@ def render(facts: Facts, curves: Sequence[Chart], trials: Sequence[dict[str, Any
         _data(data),
         element("script", script),
     )
-    return f'{OF_REPORT.decode()}<html lang="en">{_header(facts.name, style, script)}{body}</html>\n'
+    return f'{HTML}<html lang="en">{_header(facts.name, style, script)}{body}</html>\n'
 
 
 def _header(title: str, style: Html, script: Html) -> Html:

@@ -9,13 +9,14 @@ from visitlab_cli.errors import VisitlabError
 from visitlab_cli.plan.cells import Cell, plan
 from visitlab_cli.storage.cell_folder import read_cell
 from visitlab_cli.storage.on_disk import bytes_below
+from visitlab_cli.storage.reading import UnreadableError
 from visitlab_cli.storage.run_folder import all_runs, read_config
 
-DONE, INCOMPLETE, DAMAGED = "done", "incomplete", "damaged"
+DONE, INCOMPLETE, DAMAGED, UNREADABLE = "done", "incomplete", "damaged", "unreadable"
 
 
 class RunLine(NamedTuple):
-    """A run at a glance; of one whose config can't be read, cells and seeds are not known and `problem` says why.
+    """A run at a glance; of one that is damaged or can't be read, cells and seeds are not known and `problem` says why.
 
     `changed` is when something last came into its folder, in seconds since 1970: the latest is `latest`.
     """
@@ -27,12 +28,13 @@ class RunLine(NamedTuple):
     size: int
     changed: float
     problem: str | None = None
+    is_readable: bool = True
 
     @property
     def state(self) -> str:
         """In a word."""
         if self.problem is not None:
-            return DAMAGED
+            return DAMAGED if self.is_readable else UNREADABLE
         return DONE if self.done == self.cells else INCOMPLETE
 
     def as_json(self) -> dict[str, Any]:
@@ -66,4 +68,5 @@ def _opened(run: Path) -> RunLine:
         config = read_config(run)
         return run_line(run, config, plan(config))
     except VisitlabError as error:
-        return RunLine(run, None, None, None, bytes_below(run), run.stat().st_mtime, str(error))
+        is_readable = not isinstance(error, UnreadableError)
+        return RunLine(run, None, None, None, bytes_below(run), run.stat().st_mtime, str(error), is_readable)

@@ -37,7 +37,7 @@ def steps_of(run: Path, cell: Cell, columns: Sequence[str] | None = None) -> Any
     if not (folder / STEPS).is_file():
         raise NotFoundError(f"{folder}: has no log, its config records no steps; run it with record.steps=every")
     steps = read_steps(folder / STEPS, columns)
-    check_values(folder / STEPS, steps, lab_of(cell.settings))
+    check_values(folder / STEPS, steps, cell.task, lab_of(cell.settings))
     return to_arrow(steps, named=True)
 
 

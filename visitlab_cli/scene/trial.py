@@ -119,10 +119,10 @@ def load_trial(path: Path, number: int) -> Trial:
     """
     steps = read_trial(path, number)
     lab = lab_of_log(path)
-    check_values(path, steps, lab)
     about = read_metadata(path)
-    config = _config(path)
     task, cell = about["task"], about["cell"]
+    check_values(path, steps, task, lab)
+    config = _config(path)
     experiment = config.get("experiments", {}).get(cell.split("/")[0], {})
     arena = int(experiment.get("arena", ARENA)) if task == SOCIAL else None
     distances = config.get("interaction", {}).get("distances", DISTANCES)

@@ -10,7 +10,9 @@ import contextlib
 import hashlib
 import json
 import os
+import re
 import shutil
+import stat
 import uuid
 from pathlib import Path
 from types import TracebackType
@@ -30,7 +32,7 @@ from visitlab_cli.storage.facts import (
 )
 from visitlab_cli.storage.inside import check_inside
 from visitlab_cli.storage.locks import Heart, HeldError, is_abandoned, lock, older_than_an_hour
-from visitlab_cli.storage.reading import open_file, read_json, size_of
+from visitlab_cli.storage.reading import check_damage, open_file, read_json, size_of
 
 __all__ = [
     "CELL",
@@ -59,6 +61,33 @@ DAMAGED = ".damaged"
 """How the name of a file ends that was set aside."""
 OF_CELLS = frozenset(name + ending for name in (STEPS, TRIALS, MODEL, CELL, TIMING) for ending in ("", DAMAGED))
 """The files of a cell."""
+
+
+_FOLDER = re.compile(rf"{re.escape(TEMPORARY)}.+-[0-9a-f]{{8}}")
+_FILE = re.compile(
+    rf"{_FOLDER.pattern}{re.escape(LOCK)}|{re.escape(TEMPORARY)}([0-9a-f]{{8}}-.+|(clock|probe)-[0-9a-f]{{8}})"
+)
+
+
+def is_temporary(path: Path) -> bool:
+    """Whether a path is one that visitlab writes to before it is whole; whatever else is called so is the user's.
+
+    Such a folder has files of a cell, and nothing else; a link is none, whatever it is called.
+
+    Raises:
+        UnreadableError: it can't be looked into.
+    """
+    try:
+        mode = path.lstat().st_mode
+        if stat.S_ISREG(mode):
+            return _FILE.fullmatch(path.name) is not None
+        if not stat.S_ISDIR(mode) or not _FOLDER.fullmatch(path.name):
+            return False
+        with os.scandir(path) as entries:
+            return all(entry.name in OF_CELLS and entry.is_file(follow_symlinks=False) for entry in entries)
+    except OSError as error:
+        check_damage(path, error)
+        return False  # it is gone
 
 
 def one_line(error: OSError) -> str:
@@ -175,17 +204,29 @@ class NewCell:
 
 
 def read_cell(place: Path) -> dict[str, Any] | None:
-    """What `cell.json` says of a finished cell; None where the cell is missing, damaged or cut short."""
-    if place.is_symlink():
-        return None
+    """What `cell.json` says of a finished cell; None where the cell is missing, damaged or cut short.
+
+    Raises:
+        UnreadableError: it is there and can't be read.
+    """
     try:
+        if place.is_symlink():
+            return None
         cell: dict[str, Any] = read_json(place / CELL)
         if malformed(cell) is not None:
             return None
         whole = all(size_of(place / name) == described["size"] for name, described in cell["files"].items())
-    except (OSError, ValueError):
+    except (OSError, ValueError) as error:
+        if isinstance(error, OSError):
+            check_damage(place, error)
         return None
     return cell if whole else None
+
+
+def temporaries(folder: Path) -> list[Path]:
+    """What `is_temporary` in a folder."""
+    names = sorted(name for name in os.listdir(folder) if name.startswith(TEMPORARY)) if folder.is_dir() else []
+    return [folder / name for name in names if is_temporary(folder / name)]
 
 
 def lock_of(folder: Path) -> Path:
@@ -203,11 +244,11 @@ def is_left_over(path: Path) -> bool:
 
 def remove_leftovers(run: Path) -> None:
     """Remove what processes left that are surely gone, folders before their locks; what is being written stays."""
-    for path in sorted(run.glob(f"{TEMPORARY}*"), key=lambda path: path.name.endswith(LOCK)):
-        is_lock = path.name.endswith(LOCK) and path.is_file()
-        if path.is_symlink() or not (path.is_dir() or is_lock) or not is_left_over(path):
+    found = [path for path in temporaries(run) if path.is_dir() or path.name.endswith(LOCK)]
+    for path in sorted(found, key=lambda path: path.name.endswith(LOCK)):
+        if not is_left_over(path):
             continue
-        if is_lock:
+        if path.is_file():
             with contextlib.suppress(OSError):
                 path.unlink()
         else:

@@ -1,7 +1,9 @@
 """The door through which every file of a run's folder is read: a regular file, no link, bounded in size and depth.
 
 Whoever sent us a run chose its bytes, and the hashes in it: nothing here believes either. What is wrong is told as an
-`OSError` with a reason, where there is nothing to read, or as a `ValueError` of one line.
+`OSError` with a reason, where there is nothing to read, or as a `ValueError` of one line. What is there and can't be
+read *now*, such as a file without the right to read it, is an `UnreadableError`: that is no damage, and nobody may take
+it for some.
 """
 
 import errno
@@ -11,7 +13,13 @@ import math
 import os
 import stat
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
+
+from visitlab_cli.errors import RunError, reason
+from visitlab_cli.wording import printable
+
+if TYPE_CHECKING:
+    from _typeshed import WriteableBuffer
 
 MOST_JSON = 1 << 20
 """Bytes of a JSON file; ours have fewer than 4,000."""
@@ -20,13 +28,43 @@ LARGEST_NUMBER = 2**63
 MOST_DIGITS = 20
 MOST_TABLE = 1 << 30
 """Bytes of a file of arrays."""
+NOT_NOW = frozenset({errno.EACCES, errno.EPERM, errno.EIO, errno.EMFILE, errno.ENFILE, errno.ENOMEM, errno.ESTALE})
+"""What the system answers where something may well be there and whole."""
+
+
+class UnreadableError(RunError):
+    """Something that is there can't be read: which says nothing of what it holds."""
+
+
+def check_damage(path: Path, error: OSError) -> None:
+    """Return where an error means that what should lie at `path` is missing or something else.
+
+    Raises:
+        UnreadableError: it means that nobody can tell.
+    """
+    if error.errno in NOT_NOW:
+        raise UnreadableError(f"{printable(str(path))}: can't be read: {reason(error)}") from error
+
+
+class _Content(io.FileIO):
+    """An open file; a disk that fails meanwhile is none of its content's faults."""
+
+    path: Path
+
+    def readinto(self, buffer: "WriteableBuffer", /) -> int | None:
+        try:
+            return super().readinto(buffer)
+        except OSError as error:
+            check_damage(self.path, error)
+            raise
 
 
 def open_file(file: Path) -> io.BufferedReader:
     """A regular file, opened for reading without following a link or waiting for a pipe.
 
     Raises:
-        OSError: it is not there, can't be read, or is something else.
+        OSError: it is not there, or is something else.
+        UnreadableError: it is there, and can't be read.
     """
     flags = os.O_RDONLY
     for name in ("O_NOFOLLOW", "O_NONBLOCK", "O_CLOEXEC", "O_BINARY"):
@@ -38,6 +76,7 @@ def open_file(file: Path) -> io.BufferedReader:
             raise _other(file, errno.ELOOP, "a link, and nothing in a run is read through one") from None
         if error.errno in (errno.ENXIO, errno.ENODEV, errno.EOPNOTSUPP):
             raise _other(file, error.errno, "a pipe, a socket or a device, not a file") from None
+        check_damage(file, error)
         raise
     mode = os.fstat(descriptor).st_mode
     if not stat.S_ISREG(mode):
@@ -45,7 +84,9 @@ def open_file(file: Path) -> io.BufferedReader:
         if stat.S_ISDIR(mode):
             raise _other(file, errno.EISDIR, "a folder, not a file")
         raise _other(file, errno.EINVAL, "a pipe, a socket or a device, not a file")
-    return os.fdopen(descriptor, "rb")
+    raw = _Content(descriptor, "rb")
+    raw.path = file
+    return io.BufferedReader(raw)
 
 
 def _other(file: Path, number: int, words: str) -> OSError:
@@ -64,9 +105,13 @@ def size_of(file: Path) -> int:
     """The bytes of a regular file.
 
     Raises:
-        OSError: it is not there, or is something else.
+        OSError, UnreadableError: as `open_file`.
     """
-    state = os.lstat(file)
+    try:
+        state = os.lstat(file)
+    except OSError as error:
+        check_damage(file, error)
+        raise
     if not stat.S_ISREG(state.st_mode):
         raise _other(file, errno.EINVAL, "not a file")
     return state.st_size
@@ -76,7 +121,7 @@ def read_bytes(file: Path, most: int = MOST_TABLE) -> bytes:
     """All of a file.
 
     Raises:
-        OSError: as `open_file`.
+        OSError, UnreadableError: as `open_file`.
         ValueError: it has more than `most` bytes.
     """
     with open_file(file) as stream:

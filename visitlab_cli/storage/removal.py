@@ -10,27 +10,35 @@ from typing import NamedTuple
 
 from visitlab_cli.config.names import RESERVED_EXPERIMENTS
 from visitlab_cli.errors import NotFoundError, RunError, UsageError, VisitlabError
-from visitlab_cli.storage.cell_folder import DAMAGED, LOCK, OF_CELLS, TEMPORARY, is_left_over, one_line, read_cell
+from visitlab_cli.origin import is_ours
+from visitlab_cli.storage.cell_folder import (
+    DAMAGED,
+    LOCK,
+    OF_CELLS,
+    TEMPORARY,
+    is_left_over,
+    is_temporary,
+    one_line,
+    read_cell,
+)
 from visitlab_cli.storage.locks import RUN_LOCK, to_remove
 from visitlab_cli.storage.on_disk import (
     EVALUATIONS,
-    OF_REPORT,
+    FIGURES,
     OPTIONS,
     REPORT,
     cell_folders,
     is_seed_folder,
     leftovers,
+    walk,
 )
-from visitlab_cli.storage.reading import open_file
+from visitlab_cli.storage.reading import check_damage
 from visitlab_cli.storage.run_folder import CONFIG, VERSIONS, hash_of_name, is_run, read_config, read_versions, run_name
 
 YOUNG = 60.0
 """Seconds in which a temporary file may still be in use."""
-FIGURES = "figures"
 _FIGURE = re.compile(r"(fig[6-9]|grid|matrix|affordances[\w.-]*)\.(svg|png|pdf)")
 """The pictures that visitlab draws into a run."""
-OF_EVALUATION = frozenset({OPTIONS, "matrix.svg"})
-"""Files that visitlab writes, or wrote, in the folder of an evaluation."""
 
 
 class Pruned(NamedTuple):
@@ -44,7 +52,7 @@ def prune(run: Path, dry_run: bool = False) -> Pruned:
     """Remove what killed processes left and the cells that are not whole; nothing that is whole.
 
     Raises:
-        RunError: something can't be removed.
+        RunError: something can't be looked into, or not be removed.
     """
     if dry_run:
         return _prune(run, dry_run)
@@ -89,7 +97,7 @@ def check_removable(run: Path) -> None:
     Raises:
         NotFoundError: it is no run folder.
         UsageError: it is a link.
-        RunError: it was renamed, is in use, or not only a run.
+        RunError: it was renamed, is in use, or not only a run; or some of it could not be removed.
     """
     if run.is_symlink():
         raise UsageError(f"{run}: a link to {os.readlink(run)}; remove that")
@@ -103,6 +111,9 @@ def check_removable(run: Path) -> None:
     foreign = next(foreign_files(run), None)
     if foreign:
         raise RunError(f"{run}: holds {foreign}, which is not visitlab's; move it away first")
+    for folder in (run.resolve().parent, *(folder for folder, _, _ in walk(run))):
+        if not os.access(folder, os.W_OK | os.X_OK):
+            raise RunError(f"{run}: can't be removed: {folder} may not be written in")
 
 
 def _name_made_with(run: Path) -> str:
@@ -114,23 +125,25 @@ def _name_made_with(run: Path) -> str:
 
 
 def foreign_files(run: Path) -> Iterator[str]:
-    """The files that visitlab did not write, as paths below the run; a link is none, for nothing is lost with it."""
-    top = {RUN_LOCK, *RESERVED_EXPERIMENTS, *(name + DAMAGED for name in RESERVED_EXPERIMENTS)}
-    for here, folders, files in os.walk(run):
-        folder = Path(here)
+    """The files that visitlab did not write, as paths below the run; a link is none, for nothing is lost with it.
+
+    Raises:
+        UnreadableError: a folder, or a page or picture, can't be looked into.
+    """
+    top = {RUN_LOCK, *RESERVED_EXPERIMENTS, *(name + DAMAGED for name in RESERVED_EXPERIMENTS)} - {REPORT}
+    for folder, folders, files in walk(run):
+        known, drawn = set(OF_CELLS if is_seed_folder(folder.name) else ()), set[str]()
         if folder == run:
-            folders[:] = [name for name in folders if not name.startswith(TEMPORARY)]
-            known = top | {name for name in files if name.startswith(TEMPORARY)}
-            known -= set() if _begins_with(folder / REPORT, OF_REPORT) else {REPORT}
+            folders[:] = [name for name in folders if not is_temporary(folder / name)]
+            known, drawn = top, {REPORT}
         elif folder == run / FIGURES:
-            known = {name for name in files if _FIGURE.fullmatch(name)}
+            known, drawn = set(), {name for name in files if _FIGURE.fullmatch(name)}
         elif folder.parent == run / EVALUATIONS:
-            known = set(OF_EVALUATION)
-        else:
-            known = set(OF_CELLS) if is_seed_folder(folder.name) else set()
+            known, drawn = {OPTIONS}, {"matrix.svg"}  # the picture is of an earlier version
         for name in sorted(set(files) - known):
-            if not (folder / name).is_symlink():
-                yield (folder / name).relative_to(run).as_posix()
+            file = folder / name
+            if not (file.is_symlink() or (name in drawn and _is_ours(file)) or _is_temporary(file, run)):
+                yield file.relative_to(run).as_posix()
 
 
 def _is_file(path: Path) -> bool:
@@ -168,11 +181,13 @@ def _remove(path: Path) -> None:
         raise RunError(f"{path}: can't be removed: {one_line(error)}") from error
 
 
-def _begins_with(file: Path, beginning: bytes) -> bool:
-    if file.is_symlink() or not file.is_file():
-        return True  # a link is removed and not followed; what is not there is nobody's
+def _is_temporary(file: Path, run: Path) -> bool:
+    return (file.parent in (run, run / FIGURES) or file.parent.parent == run / EVALUATIONS) and is_temporary(file)
+
+
+def _is_ours(file: Path) -> bool:
     try:
-        with open_file(file) as stream:
-            return stream.read(len(beginning)) == beginning
-    except OSError:
+        return is_ours(file)
+    except OSError as error:
+        check_damage(file, error)
         return False

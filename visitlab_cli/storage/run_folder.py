@@ -12,7 +12,7 @@ from visitlab_cli.errors import ConfigError, NotFoundError, RunError, UsageError
 from visitlab_cli.storage.cell_folder import DAMAGED, one_line, read_cell, reason, sync, to_json, write_durably
 from visitlab_cli.storage.differences import differences, in_words
 from visitlab_cli.storage.on_disk import cell_folders, set_aside
-from visitlab_cli.storage.reading import read_bytes, read_json
+from visitlab_cli.storage.reading import UnreadableError, check_damage, read_bytes, read_json
 from visitlab_cli.whole_file import whole_file
 from visitlab_cli.wording import printable
 from visitlab_cli.yaml.files import MOST_BYTES
@@ -79,6 +79,7 @@ def mend_config(out: Path, config: Config) -> str | None:
         What was done, in a line; None where nothing was.
 
     Raises:
+        UnreadableError: nobody can tell whether it is damaged.
         RunError: it can't be set aside, or another lies there.
     """
     file = out / run_name(config) / CONFIG
@@ -86,6 +87,8 @@ def mend_config(out: Path, config: Config) -> str | None:
     try:
         read_config(file.parent)
         return None
+    except UnreadableError:
+        raise
     except (NotFoundError, RunError):
         if not file.is_file():
             return None
@@ -121,7 +124,7 @@ def read_config(run: Path) -> Config:
 
     Raises:
         NotFoundError: this is no run folder.
-        RunError: its config is missing or damaged.
+        RunError: its config is missing, damaged or can't be read.
     """
     file = run / CONFIG
     try:
@@ -181,6 +184,7 @@ def find_run(word: str, out: Path) -> Path:
     Raises:
         NotFoundError: there is none.
         UsageError: several begin so.
+        UnreadableError: `out` can't be looked into.
     """
     shown = printable(word)
     if not word:
@@ -190,6 +194,8 @@ def find_run(word: str, out: Path) -> Path:
             if is_run(path):
                 return path
     except (OSError, ValueError) as error:
+        if isinstance(error, OSError):
+            check_damage(Path(word), error)
         raise NotFoundError(f"{shown}: {reason(error)}") from None
     runs = all_runs(out)
     if word == LATEST and runs:
@@ -206,10 +212,25 @@ def find_run(word: str, out: Path) -> Path:
 
 
 def all_runs(out: Path) -> list[Path]:
-    """The run folders below `out`, by name."""
-    return sorted({file.parent for name in (CONFIG, VERSIONS) for file in out.glob(f"*/{name}") if is_run(file.parent)})
+    """The run folders below `out`, by name.
+
+    Raises:
+        UnreadableError: it can't be looked into.
+    """
+    try:
+        return sorted(folder for folder in out.iterdir() if folder.is_dir() and is_run(folder))
+    except OSError as error:
+        check_damage(out, error)
+        return []  # there is no such folder
 
 
 def is_run(folder: Path) -> bool:
-    """Whether a folder is a run's; one that lost its config is known by its name and its versions."""
-    return (folder / CONFIG).is_file() or (hash_of_name(folder) is not None and (folder / VERSIONS).is_file())
+    """Whether a folder is a run's; one that lost its config is known by its name and its versions.
+
+    One that can't be looked into is taken for what its name says.
+    """
+    has_name = hash_of_name(folder) is not None
+    try:
+        return (folder / CONFIG).is_file() or (has_name and (folder / VERSIONS).is_file())
+    except PermissionError:
+        return has_name

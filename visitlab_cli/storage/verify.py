@@ -13,7 +13,7 @@ from visitlab_cli.errors import VisitlabError
 from visitlab_cli.storage.cell_folder import CELL, one_line
 from visitlab_cli.storage.differences import differences, in_words
 from visitlab_cli.storage.on_disk import cell_folders, set_aside, was_set_aside
-from visitlab_cli.storage.reading import read_json
+from visitlab_cli.storage.reading import UnreadableError, read_json
 from visitlab_cli.storage.run_folder import CONFIG, VERSIONS, edited, hash_of_name, read_config, read_versions
 from visitlab_cli.storage.verify_cell import cell_faults
 
@@ -34,11 +34,15 @@ Unsound = Callable[[str], tuple[str, str] | None]
 
 
 class Verified(NamedTuple):
-    """The paths of the cells found in a run, which of them are whole, and all that is wrong."""
+    """The paths of the cells found in a run, which of them are whole, all that is wrong, and what can't be read.
+
+    `unread` has a line for each cell of which nobody can tell whether it is damaged or whole, by its path.
+    """
 
     found: list[str]
     whole: list[str]
     faults: list[Fault]
+    unread: dict[str, str]
 
 
 def verify(
@@ -52,6 +56,9 @@ def verify(
             the config is in doubt.
         versions: those of this program, which may have made a cell.
         unsound: what the plan finds wrong with a cell whose hashes are right, which somebody may have written anew.
+
+    Raises:
+        UnreadableError: a folder, or a file of the run itself, can't be read.
     """
     folders = cell_folders(run)
     stated = [_stated(folder) for folder in folders]
@@ -61,20 +68,24 @@ def verify(
     versions_of_run, problem = _versions_of(run)
     problem = problem or _of_no_cell(versions_of_run, [each for each in made_with if isinstance(each, dict)], versions)
     faults += [Fault("", VERSIONS, problem)] if problem else []
-    found, whole = [], []
+    found, whole, unread = [], [], {}
     for folder, its_versions in zip(folders, made_with, strict=True):
         path = folder.relative_to(run).as_posix()
         found.append(path)
-        problems = cell_faults(folder, path, digest, steps.get(path))
+        try:
+            problems = cell_faults(folder, path, digest, steps.get(path))
+            if not problems and path in steps and (found_wrong := unsound(path)):
+                problems = [found_wrong]
+        except UnreadableError as error:
+            unread[path] = str(error)
+            continue
         if not problems and its_versions not in (versions_of_run, versions) and made_with.count(its_versions) == 1:
             problems = [(CELL, "has versions that neither the run, nor another cell, nor this program has")]
-        if not problems and path in steps and (found_wrong := unsound(path)):
-            problems = [found_wrong]
         if problems:
             faults += [Fault(path, *problem) for problem in problems]
         else:
             whole.append(path)
-    return Verified(found, whole, faults)
+    return Verified(found, whole, faults, unread)
 
 
 def set_faults_aside(run: Path, faults: list[Fault]) -> dict[str, str]:
@@ -100,6 +111,8 @@ def _run_hash(run: Path, stated: set[Any]) -> tuple[str | None, list[Fault]]:
     of_name = hash_of_name(run)
     try:
         of_config = config_hash(read_config(run))
+    except UnreadableError:
+        raise
     except VisitlabError as error:
         return of_name, [Fault("", CONFIG, str(error).removeprefix(f"{run / CONFIG}: "))]
     if problem := edited(run, of_config):
@@ -115,7 +128,7 @@ def _stated(folder: Path) -> dict[str, Any]:
     """What a cell says of itself, right or wrong; empty where it can't be read."""
     try:
         cell = read_json(folder / CELL)
-    except (OSError, ValueError):
+    except (OSError, ValueError, UnreadableError):
         return {}
     return cell if isinstance(cell, dict) and isinstance(cell.get("config_hash"), str) else {}
 
@@ -126,6 +139,8 @@ def _versions_of(run: Path) -> tuple[dict[str, str] | None, str | None]:
         return None, "set aside as damaged by an earlier verify" if was_set_aside(run / VERSIONS) else "missing"
     try:
         return read_versions(run), None
+    except UnreadableError:
+        raise
     except VisitlabError:
         return None, "damaged"
 

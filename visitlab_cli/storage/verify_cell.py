@@ -22,7 +22,7 @@ from visitlab_cli.storage.cell_folder import (
 )
 from visitlab_cli.storage.facts import malformed
 from visitlab_cli.storage.on_disk import was_set_aside
-from visitlab_cli.storage.reading import parse_json, read_text, size_of
+from visitlab_cli.storage.reading import UnreadableError, parse_json, read_text, size_of
 from visitlab_cli.wording import printable
 
 MEANS = {"mean_reward_last_hundredth": 100, "mean_reward_last_tenth": 10}
@@ -41,6 +41,9 @@ def cell_faults(folder: Path, path: str, digest: str | None, steps: int | None) 
         path: what it should say that its path in the run is.
         digest: the config hash that it should state; None where that is in doubt.
         steps: how many steps it should have; None where that is not known.
+
+    Raises:
+        UnreadableError: nobody can tell.
     """
     file = folder / CELL
     try:
@@ -110,6 +113,8 @@ def _hash_fault(name: str, actual: str, stated: str) -> tuple[str, str]:
 def _rewards_faults(folder: Path, cell: dict[str, Any]) -> list[tuple[str, str]]:
     try:
         rewards = read_trials(folder / TRIALS)["reward"]
+    except UnreadableError:
+        raise
     except VisitlabError:
         return [(TRIALS, "no table of trials")]
     if cell["trials"] != len(rewards):

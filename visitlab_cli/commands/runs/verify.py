@@ -36,7 +36,7 @@ def command(
 
     Logs, trials and models have hashes, in cell.json; the config's is in the folder's name. timing.json, figures
     and report.html have none. The cell.json of a damaged cell is renamed to cell.json.damaged, so that the cell
-    counts as missing.
+    counts as missing. What can't be read counts as neither whole nor damaged, and is left as it is.
     """
     from visitlab_cli.errors import RunError, VisitlabError
     from visitlab_cli.execution.versions import versions
@@ -46,6 +46,7 @@ def command(
     from visitlab_cli.results.evaluated import evaluated
     from visitlab_cli.storage.inside import check_all_inside
     from visitlab_cli.storage.on_disk import EVALUATIONS, OPTIONS
+    from visitlab_cli.storage.reading import UnreadableError
     from visitlab_cli.storage.run_folder import CONFIG, VERSIONS, find_run, read_config
     from visitlab_cli.storage.verify import Fault, set_faults_aside, verify
     from visitlab_cli.storage.verify_notes import notes
@@ -57,6 +58,8 @@ def command(
         config = read_config(folder)
         planned = plan(config)
         played = [cell for cells in evaluated(folder, config).values() for cell in cells]
+    except UnreadableError:
+        raise
     except VisitlabError:  # `verify` says what is wrong with the config
         config, planned, played = None, [], []
     check_all_inside(folder, [cell.path for cell in [*planned, *played]])
@@ -70,7 +73,8 @@ def command(
     absent = [] if doubtful else sorted({cell.path for cell in planned} - set(checked.found))
     known = {cell.path for cell in [*planned, *played]}
     known |= {path for path in checked.found if any(path.startswith(f"{fault.cell}/") for fault in options)}
-    noted = list(notes(folder, checked.found, None if doubtful else known))
+    readable = [path for path in checked.found if path not in checked.unread]
+    noted = list(notes(folder, readable, None if doubtful else known))
     if as_json:
         told = {
             "run": str(folder),
@@ -79,6 +83,7 @@ def command(
             "not_run": absent,
             "faults": [fault._asdict() for fault in checked.faults],
             "not_set_aside": failed,
+            "unread": checked.unread,
             "notes": noted,
         }
         tell_json(told)
@@ -89,8 +94,11 @@ def command(
             tell(f"note: {note}")
         missing = f"; {len(absent)} more are not run yet" if absent else ""
         tell(f"{folder}: {len(checked.whole)} of {len(checked.found)} cells are as they were written{missing}")
+    to_do = [*checked.unread.values()]
     if checked.faults:
-        raise RunError(*_what_to_do(folder, config, checked.faults, failed, dry_run))
+        to_do += _what_to_do(folder, config, checked.faults, failed, dry_run)
+    if to_do:
+        raise RunError(*to_do)
 
 
 def _what_to_do(

@@ -112,6 +112,8 @@ def _one(file: BinaryIO, first: int, path: Path, beside: Path) -> tuple[Recovere
     if isinstance(count, Exception):
         why = "what is whole of it is no log" if isinstance(count, NotMcapError) else count
         raise _NothingError(f"nothing in it can be saved: {why}{too_short(source)}", end)
+    if not (any(count) or salvage.was_whole):
+        raise _NothingError(f"nothing in it can be saved: no step of it is whole{too_short(source)}", end)
     if salvage.was_whole:
         with beside.open("wb") as copy:
             copy.writelines(source.windows(0, source.size))

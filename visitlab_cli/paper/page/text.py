@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 
+from visitlab_cli.origin import MARKDOWN
 from visitlab_cli.paper.page.choices import VISIT, other_choices, visit_distances, visit_effects
 from visitlab_cli.paper.page.evidence import Evidence
 from visitlab_cli.paper.page.observation import jump_table
@@ -35,7 +36,7 @@ def page(evidence: Evidence, pictures: Mapping[str, str], file: str) -> str:
 
 
 def _parts(evidence: Evidence, pictures: Mapping[str, str], file: str) -> Iterator[str]:
-    yield f"<!-- made by `visitlab compare {evidence.run.name} --page {file}`; every number is read from runs -->"
+    yield f"{MARKDOWN}compare {evidence.run.name} --page {file}`; every number is read from runs -->"
     yield "# The paper, reproduced and judged"
     yield summary(evidence)
     yield "## What was run"

@@ -7,6 +7,7 @@ from pathlib import Path
 from visitlab_cli.affordances.learned import affordances
 from visitlab_cli.affordances.picture import save_affordances
 from visitlab_cli.errors import NotFoundError, UsageError
+from visitlab_cli.origin import check_ours
 from visitlab_cli.paper.figures.learning_figure import draw_visit
 from visitlab_cli.paper.figures.source import open_source
 from visitlab_cli.paper.page import text
@@ -30,11 +31,12 @@ def write_page(evidence: Evidence, page: Path, draw: DrawFigures) -> list[Path]:
         draw: draws the figures of a run into a folder, as `KIND`.
 
     Raises:
-        UsageError: another ending.
+        UsageError: another ending, or what lies in the place of a file is not visitlab's.
         RunError: a run is damaged, or a file cannot be written.
     """
     if page.suffix != ".md":
         raise UsageError(f"--page {page}: must end in .md")
+    check_ours(page)
     pictures = list(_pictures(evidence, page.parent / IMAGES, draw))
     content = text.page(evidence, {file.stem: f"{IMAGES}/{file.name}" for file in pictures}, page.as_posix())
     write(page, content.encode())

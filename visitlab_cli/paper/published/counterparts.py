@@ -35,6 +35,8 @@ COUNTERPARTS = {
 Condition = tuple[str, str]
 """A published figure and a condition of it."""
 
+NOT_PLANNED = "not in the config"
+
 
 class Counterpart(NamedTuple):
     """What a run has for a published curve: a group of cells, one of them, and what of it is not as published.
@@ -103,6 +105,11 @@ class Absent(NamedTuple):
     reason: str
     unlike: bool = False
 
+    @property
+    def is_planned(self) -> bool:
+        """Whether the config has the group at all."""
+        return self.reason != NOT_PLANNED
+
 
 def curve_of_group(run: Path, cells: Sequence[Cell], group: str, published: PublishedCurve) -> OurCurve | Absent:
     """The finished cells of a group, whatever is set in them, in the batches of a published curve.
@@ -116,7 +123,7 @@ def curve_of_group(run: Path, cells: Sequence[Cell], group: str, published: Publ
     planned = [cell for cell in cells if cell.group == group]
     done = [cell for cell in planned if read_cell(run / cell.path) is not None]
     if not done:
-        return Absent(group, "not run yet" if planned else "not in the config")
+        return Absent(group, "not run yet" if planned else NOT_PLANNED)
     if done[0].settings.trial_steps != published.trial_steps:
         return Absent(group, f"has trials of {done[0].settings.trial_steps} steps, not {published.trial_steps}")
     if done[0].trials < published.trials:
@@ -132,7 +139,7 @@ def our_curves(run: Path, cells: Sequence[Cell]) -> list[tuple[PublishedCurve, O
 
 def _ours(run: Path, cells: Sequence[Cell], published: PublishedCurve, found: Counterpart | None) -> OurCurve | Absent:
     if found is None:
-        return Absent(COUNTERPARTS[published.figure, published.condition], "not in the config")
+        return Absent(COUNTERPARTS[published.figure, published.condition], NOT_PLANNED)
     if found.unlike:
         return Absent(found.group, f"not as published: {found.reason}", unlike=True)
     return curve_of_group(run, cells, found.group, published)
