@@ -15,6 +15,7 @@ DECIDES_NOTHING = {
     "sources.py",
     "stopping.py",
     "terminal.py",
+    "origin.py",
     "whole_file.py",
     "wording.py",
 }

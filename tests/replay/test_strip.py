@@ -50,7 +50,7 @@ def test_only_a_strip_is_replaced(trial_of, tmp_path):
     strip.write_text("name: mine")
     with pytest.raises(UsageError) as error:
         save_strip(trial_of("visit"), strip)
-    assert str(error.value) == f"{strip}: exists and is no .svg file of ours; choose another file"
+    assert str(error.value) == f"{strip}: exists and was not written by visitlab; move it away or choose another file"
     assert strip.read_text() == "name: mine"
 
 
