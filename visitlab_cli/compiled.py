@@ -25,7 +25,16 @@ from visitlab_cli.sources import digest_of, files_of, is_others, others
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
-KERNEL_SOURCES = ("compiled.py", "kernel_cache.py", "random_numbers.py", "world", "humans", "agents", "simulation")
+KERNEL_SOURCES = (
+    "callbacks.py",
+    "compiled.py",
+    "kernel_cache.py",
+    "random_numbers.py",
+    "world",
+    "humans",
+    "agents",
+    "simulation",
+)
 _settings: Any = numba.config
 JIT_DISABLED = bool(_settings.DISABLE_JIT)
 _registered: dict[type, list[Callable[..., Any]]] = {}

@@ -6,11 +6,13 @@ Which kind an entry is, its `kind` says. One kind may have no such word: an entr
 import importlib
 import pkgutil
 from collections.abc import Iterator, Mapping
+from functools import cache
 from types import ModuleType
-from typing import Annotated, Any, TypeVar, Union, get_args
+from typing import Annotated, Any, ClassVar, Literal, TypeVar, Union, get_args
 
-from pydantic import BaseModel, Discriminator, Field, Tag
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag
 
+from visitlab_cli.settings import Settings
 from visitlab_cli.sources import is_others
 
 KIND = "kind"
@@ -18,6 +20,22 @@ UNSAID = ""
 """Stands for the word of the kind that has none."""
 REGISTRY = "registry"
 """The module of a folder of kinds that lists them."""
+
+
+class Kind(Settings):
+    """What all kinds share."""
+
+    api: ClassVar[int] = 1
+    """The number of visitlab's promises to kinds of others that it was written for."""
+
+    absent: ClassVar[str] = ""
+    """Why nothing can be simulated with it: it stands for a kind that is not installed here. Empty of all others."""
+
+    @classmethod
+    def compiled(cls) -> bool:
+        """Whether what is simulated with it is kernels, not plain Python."""
+        return True
+
 
 Base = TypeVar("Base", bound=BaseModel)
 
@@ -59,3 +77,18 @@ def kind(entry: Any) -> str:
     """The word of an entry, plain or made; called as the key, by which pydantic names it in its errors."""
     said = entry.get(KIND, UNSAID) if isinstance(entry, Mapping) else getattr(entry, KIND, UNSAID)
     return str(said)
+
+
+@cache
+def absent(base: type[Base], word: str, why: str) -> type[Base]:
+    """What stands for a kind that is not to be had: it takes any settings and keeps them, and can't be simulated."""
+    members: dict[str, Any] = {
+        "__doc__": f"A kind that is not to be had: {why}.",
+        "__module__": base.__module__,
+        "__annotations__": {KIND: Literal[word]},
+        "model_config": ConfigDict(extra="allow"),
+        "absent": why,
+    }
+    make: Any = type(base)
+    made: type[Base] = make("Absent", (base,), members)
+    return made

@@ -21,6 +21,8 @@ METADATA: dict[str, dict[str, Any]] = {
 """What matplotlib writes into a picture of each format: its maker, and no time, which would differ."""
 HTML, MARKDOWN = "<!doctype html>\n<!-- a report of visitlab -->\n", "<!-- made by `visitlab "
 """How each page begins."""
+FAILURE = "visitlab: why a cell failed\n"
+"""How the file of a failed cell's traceback begins."""
 _IN_PNG = f"tEXtSoftware\0{NAME}".encode()
 _MARKS = {
     b"<?xml ": f"<dc:title>{NAME}</dc:title>".encode(),
@@ -29,6 +31,7 @@ _MARKS = {
     b"RRF2": f"\n{chr(len(NAME))}{NAME}".encode(),
     HTML.encode(): b"",
     MARKDOWN.encode(): b"",
+    FAILURE.encode(): b"",
 }
 """By how a file of a format begins, what one of ours has in it, too."""
 _LOOKED_AT = 1 << 16

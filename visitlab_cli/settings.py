@@ -59,6 +59,11 @@ def at_default(settings: BaseModel) -> set[str]:
     return {field.key for field in _fields(type(settings)) if field.key in plain and plain[field.key] == field.default}
 
 
+def defaults_of(model: type[BaseModel]) -> dict[str, tuple[bool, Any]]:
+    """Whether a setting has a default, and which, as plain values, by its key."""
+    return {field.key: (field.default is not PydanticUndefined, field.default) for field in _fields(model)}
+
+
 class _Field(NamedTuple):
     """A field: its name in Python, in what pydantic makes of it, in the YAML; and whether it came later."""
 
@@ -111,4 +116,5 @@ def _entries(settings: BaseModel, dumped: dict[str, Any], hashed: bool) -> dict[
             entry = _plain(getattr(settings, field.name), dumped[field.written], hashed)
             if not (hashed and field.later and entry == field.default):
                 plain[field.key] = entry
-    return plain
+    extra = settings.model_extra or {}  # of what stands for a kind that is not installed
+    return plain | {key: _plain(extra[key], dumped[key], hashed) for key in sorted(extra)}

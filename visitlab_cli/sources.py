@@ -16,6 +16,7 @@ from pathlib import Path
 PACKAGE = Path(__file__).parent
 DECIDING = (
     "agents",
+    "callbacks.py",
     "compiled.py",
     "config",
     "execution",

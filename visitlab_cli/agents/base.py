@@ -5,7 +5,7 @@ numbers, the only thing that kernels see) and its kernels, registered with `CHOO
 """
 
 from collections.abc import Mapping
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple, Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -13,7 +13,7 @@ from pydantic import Field
 
 from visitlab_cli.agents.declared import LARGEST, Declared
 from visitlab_cli.compiled import Operation
-from visitlab_cli.settings import Settings
+from visitlab_cli.kinds import Kind
 from visitlab_cli.world.tasks import TASK_NAMES
 
 Saved = dict[str, npt.NDArray[Any]]
@@ -24,7 +24,7 @@ EPSILON = Field(default=0.05, ge=0, le=1, description="probability of a uniforml
 PLAN_EVERY = Field(default=1000, ge=1, le=10**9, description="steps between two sweeps of value iteration")
 
 
-class AgentParameters(Settings):
+class AgentParameters(Kind):
     """An agent as the YAML declares it; a subclass adds `kind` (a Literal) and its numbers."""
 
     plans: ClassVar[bool] = False
@@ -54,20 +54,40 @@ class AgentParameters(Settings):
         """Those of the declared agents by whose parameters its table is learned while it is trained: its own."""
         return self
 
+    def agent(self, setting: "Setting") -> Any:
+        """A new agent in plain Python (`plain.PlainAgent`); of a compiled kind, which has the next three, nothing.
+
+        Raises:
+            NotImplementedError: the kind has neither.
+        """
+        raise NotImplementedError(f"{type(self).__name__} defines neither agent nor create, restore and save")
+
     def create(self, setting: "Setting") -> Any:
         """A new agent's record for `setting`."""
-        raise NotImplementedError
+        return _plain().created(self, setting)
 
     def restore(self, setting: "Setting", saved: Saved) -> Any:
         """The record that goes on from what `save` gave, for `setting.steps` further steps."""
-        raise NotImplementedError
+        return _plain().restored(self, setting, saved)
+
+    @classmethod
+    def compiled(cls) -> bool:
+        """Whether it is a record and kernels, not an object in plain Python."""
+        return cls.create is not AgentParameters.create
+
+    @property
+    def frozen(self) -> "Player":
+        """Who plays as it does, greedy and without learning, from what it saved."""
+        frozen: Player = _frozen_table()(self) if self.compiled() else _plain().FrozenPlain(self)
+        return frozen
 
     def forget_rewards(self, record: Any) -> None:
         """Let a planner's record plan on with no rewards until a pair is tried again; nothing to others."""
 
     def save(self, record: Any) -> Saved:
         """The arrays of a record, with their public names (`q`, `visits`, `reward_sums`, `successor_*`)."""
-        raise NotImplementedError
+        saved: Saved = _plain().saved(self, record)
+        return saved
 
     def values(self, saved: Saved) -> npt.NDArray[np.float64]:
         """What it believes each action is worth, shape (states, actions): what a visit is steered by, and drawn.
@@ -105,6 +125,38 @@ class Setting(NamedTuple):
     n_actions: int
     steps: int
     agents: Mapping[str, AgentParameters] = {}
+    seed: int = 0
+    """The root of every random number, and the cell's path: what a stream of its own is made of."""
+    cell: str = ""
+
+
+class Player(Protocol):
+    """What is asked of the parameters of one that goes on from what was saved."""
+
+    def restore(self, setting: Setting, saved: Saved) -> Any:
+        """As `AgentParameters` says, and so are the others."""
+
+    def save(self, record: Any) -> Saved: ...  # noqa: D102
+
+    def arrays(self, setting: Setting) -> dict[str, Declared]: ...  # noqa: D102
+
+    def values(self, saved: Saved) -> npt.NDArray[np.float64]: ...  # noqa: D102
+
+    def models(self, saved: Saved) -> dict[str, Saved]: ...  # noqa: D102
+
+    def fault(self, setting: Setting, saved: Saved) -> str | None: ...  # noqa: D102
+
+
+def _plain() -> Any:
+    from visitlab_cli.agents import plain  # only now: it is made with what stands here
+
+    return plain
+
+
+def _frozen_table() -> Any:
+    from visitlab_cli.agents.greedy_table import FrozenTable  # only now, as above
+
+    return FrozenTable
 
 
 def _choose(agent, state, step, random):  # type: ignore[no-untyped-def]

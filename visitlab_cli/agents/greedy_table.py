@@ -2,7 +2,10 @@
 
 from typing import NamedTuple
 
-from visitlab_cli.agents.base import CHOOSE, LEARN
+import numpy as np
+
+from visitlab_cli.agents.base import CHOOSE, LEARN, AgentParameters, Saved, Setting
+from visitlab_cli.agents.declared import Declared, floats
 from visitlab_cli.agents.exploration import Table, greedy
 from visitlab_cli.random_numbers import RandomState
 
@@ -31,3 +34,35 @@ def learn(
     random: RandomState,
 ) -> None:
     """Learn nothing."""
+
+
+class FrozenTable:
+    """The parameters of an agent that is greedy and learns nothing: it saves the values that it goes by."""
+
+    def __init__(self, parameters: AgentParameters) -> None:
+        """Of these."""
+        self._values = parameters.values
+
+    def restore(self, setting: Setting, saved: Saved) -> GreedyTable:
+        """By what it believed each action is worth."""
+        return GreedyTable(np.ascontiguousarray(self._values(saved), np.float64))
+
+    def save(self, record: GreedyTable) -> Saved:
+        """The values."""
+        return {"q": record.q}
+
+    def arrays(self, setting: Setting) -> dict[str, Declared]:
+        """The values."""
+        return {"q": floats(setting.n_states, setting.n_actions)}
+
+    def values(self, saved: Saved) -> Table:
+        """The values."""
+        return saved["q"]
+
+    def models(self, saved: Saved) -> dict[str, Saved]:
+        """None, as of whoever learns nothing."""
+        return {}
+
+    def fault(self, setting: Setting, saved: Saved) -> str | None:
+        """Nothing is wrong with a table that is as it was declared."""
+        return None

@@ -8,7 +8,7 @@ import typer
 
 from visitlab_cli.console import completion
 from visitlab_cli.console.help import Help
-from visitlab_cli.console.options import RUNS, DryRun, Json, NoColor, Out, Quiet, Run, Verbose, Workers
+from visitlab_cli.console.options import RUNS, DryRun, Json, NoColor, Out, Plugins, Quiet, Run, Verbose, Workers
 
 if TYPE_CHECKING:
     from visitlab_cli.config.model import Config
@@ -43,6 +43,7 @@ def command(
     picture: Annotated[
         Path | None, typer.Option(help="Where the matrix is drawn, .svg, .png or .pdf; else RUN/figures/matrix.svg.")
     ] = None,
+    plugin: Plugins = None,
     out: Out = RUNS,
     workers: Workers = 0,
     dry_run: DryRun = False,

@@ -9,6 +9,7 @@ from visitlab_cli.console.options import (
     NoColor,
     Out,
     Overrides,
+    Plugins,
     Quiet,
     Verbose,
     Workers,
@@ -27,6 +28,7 @@ HELP = Help(
 def command(
     config: Config,
     overrides: Overrides = None,
+    plugin: Plugins = None,
     out: Out = RUNS,
     workers: Workers = 0,
     dry_run: DryRun = False,

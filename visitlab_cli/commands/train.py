@@ -11,6 +11,7 @@ from visitlab_cli.console.options import (
     NoColor,
     Out,
     Overrides,
+    Plugins,
     Quiet,
     Verbose,
     Workers,
@@ -34,6 +35,7 @@ HELP = Help(
 def command(
     config: Config,
     overrides: Overrides = None,
+    plugin: Plugins = None,
     out: Out = RUNS,
     workers: Workers = 0,
     dry_run: DryRun = False,

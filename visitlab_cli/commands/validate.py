@@ -5,7 +5,7 @@ from typing import Annotated, Any
 import typer
 
 from visitlab_cli.console.help import Help
-from visitlab_cli.console.options import Config, Json, Overrides
+from visitlab_cli.console.options import Config, Json, Overrides, Plugins
 from visitlab_cli.terminal import tell, tell_json, tell_text
 
 HELP = Help(
@@ -21,6 +21,7 @@ HELP = Help(
 def command(
     config: Config,
     overrides: Overrides = None,
+    plugin: Plugins = None,
     show: Annotated[
         bool, typer.Option("--show", help="Print the whole config: included, overridden, defaults filled in.")
     ] = False,

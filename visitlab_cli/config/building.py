@@ -3,51 +3,122 @@
 import json
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import Any
+from functools import cache
+from typing import Any, get_args
 
-from pydantic import TypeAdapter, ValidationError
+from pydantic import Field, TypeAdapter, ValidationError, create_model
 
-from visitlab_cli.agents.registry import AnyAgent
+from visitlab_cli.agents.base import AgentParameters
+from visitlab_cli.agents.registry import KINDS as AGENTS
 from visitlab_cli.config.canonical import canonical
-from visitlab_cli.config.experiments import AnyExperiment
 from visitlab_cli.config.like import resolve_like
 from visitlab_cli.config.messages import issues_of
 from visitlab_cli.config.model import Config
+from visitlab_cli.config.names import Name
 from visitlab_cli.config.references import Declared
 from visitlab_cli.config.references import issues as reference_issues
-from visitlab_cli.humans.registry import AnyHuman
+from visitlab_cli.humans.base import HumanParameters
+from visitlab_cli.humans.registry import KINDS as HUMANS
+from visitlab_cli.kinds import KIND, Kind, absent, any_of
+from visitlab_cli.plugins import NoSuchKindError, PluginError, find
 from visitlab_cli.wording import start_comparing
 from visitlab_cli.yaml.document import Node, Plain
 from visitlab_cli.yaml.problems import Issue, Problem, failure, positioned
 
+SECTIONS = ("humans", "agents", "experiments")
 NOT_KEPT = "can't be kept: it is read otherwise than it is written (a fault of its kind)"
-_ENTRIES: dict[str, TypeAdapter[Any]] = {
-    "humans": TypeAdapter(AnyHuman),
-    "agents": TypeAdapter(AnyAgent),
-    "experiments": TypeAdapter(AnyExperiment),
+KINDS: dict[str, tuple[dict[str, Any], type[Kind]]] = {
+    "humans": (HUMANS, HumanParameters),
+    "agents": (AGENTS, AgentParameters),
 }
+"""The built-in kinds of each section that has kinds, by their words, and what all of them derive from."""
+Others = tuple[tuple[str, str, type[Kind]], ...]
+"""Kinds of others: the section, the word, the class."""
 
 
-def check(plain: Plain) -> tuple[Config | None, list[Issue]]:
-    """The config that plain values make, or None and all issues within and between its parts."""
+class ConfigWithOthers(Config):
+    """A config that names kinds of others: another process makes it anew, with what it imports itself."""
+
+    def __reduce__(self) -> Any:
+        """As its plain values."""
+        return _again, (json.dumps(canonical(self)),)
+
+
+def check(plain: Plain, *, kept: bool = False) -> tuple[Config | None, list[Issue]]:
+    """The config that plain values make, or None and all issues within and between its parts.
+
+    Args:
+        plain: the values.
+        kept: whether they are a run's own, which can be read where a kind of others is not to be had.
+    """
+    others, issues = _others(plain, kept=kept)
     text = json.dumps(plain)  # strict about types as JSON is, where a list may become a tuple
+    model = _model(others)
     try:
-        config = Config.model_validate_json(text, strict=True)
+        config = model.model_validate_json(text, strict=True)
     except ValidationError as error:
-        return None, issues_of(error) + reference_issues(_declared(plain))
-    found = reference_issues(Declared(config.humans, config.agents, config.experiments, config.expected))
+        return None, issues + issues_of(error, model) + reference_issues(_declared(plain, model))
+    found = issues + reference_issues(Declared(config.humans, config.agents, config.experiments, config.expected))
     return (None, found) if found else (_with_whole_modules(config), [])
 
 
-def build(document: Node, problems: list[Problem]) -> Config:
-    """The config of a document (with includes and overrides), its grid not yet checked.
+def _others(plain: Plain, *, kept: bool) -> tuple[Others, list[Issue]]:
+    """The kinds of others that plain values name, and what is wrong with them."""
+    found: dict[tuple[str, str], type[Kind]] = {}
+    issues = []
+    for section, (built_in, base) in KINDS.items():
+        entries = plain.get(section) if isinstance(plain, dict) else None
+        for name, entry in entries.items() if isinstance(entries, dict) else ():
+            word = entry.get(KIND) if isinstance(entry, dict) else None
+            if not isinstance(word, str) or word in built_in:
+                continue
+            try:
+                found[section, word] = find(section, word, base)
+            except PluginError as error:
+                if kept or not isinstance(error, NoSuchKindError):
+                    found[section, word] = absent(base, word, str(error))
+                if not kept and not isinstance(error, NoSuchKindError):
+                    issues.append(Issue((section, name, KIND), str(error)))
+    return tuple(
+        (section, word, kind) for (section, word), kind in sorted(found.items(), key=lambda each: each[0])
+    ), issues
+
+
+@cache
+def _model(others: Others) -> type[Config]:
+    """The type of a config that may name these kinds of others, too."""
+    if not others:
+        return Config
+    fields: dict[str, Any] = {}
+    for section, (built_in, _) in KINDS.items():
+        field = Config.model_fields[section]
+        kinds = built_in | {word: kind for among, word, kind in others if among == section}
+        limits: dict[str, Any] = {"min_length": 1} if field.is_required() else {"default": {}}
+        fields[section] = (dict[Name, any_of(kinds)], Field(description=field.description, **limits))  # type: ignore[misc]
+    return create_model("Config", __base__=ConfigWithOthers, **fields)
+
+
+def agents_of(plain: Plain) -> dict[str, AgentParameters]:
+    """The agents that the plain config of a log declares, the wrong ones left out."""
+    others, _ = _others(plain, kept=True)
+    return {name: agent for name, agent in _valid_entries(_model(others), "agents", plain["agents"]).items() if agent}
+
+
+def _again(text: str) -> Config:
+    config, _ = check(json.loads(text), kept=True)
+    assert config is not None
+    return config
+
+
+def build(document: Node, problems: list[Problem], *, kept: bool = False) -> Config:
+    """The config of a document (with includes and overrides), its grid not yet checked; `kept` as `check` says.
 
     Raises:
         ConfigError: with a line for each problem, those already known included.
     """
     start_comparing()
     whole, issues, broken = resolve_like(document)
-    config, found = check(whole.plain())
+    config, found = check(whole.plain(), kept=kept)
     everything = [*problems, *(positioned(document, issue) for issue in issues)]
     everything += [positioned(whole, issue) for issue in found if issue.path[:2] not in broken]
     if not everything and config is not None:
@@ -63,32 +134,39 @@ def _otherwise_read_back(config: Config) -> Iterator[Issue]:
     Such a run could be made, and would then be called edited.
     """
     plain = canonical(config)
-    again, issues = check(plain)
+    again, issues = check(plain, kept=True)
     if again is None:
         yield from (replace(issue, message=f"{NOT_KEPT}: {issue.message}") for issue in issues)
     else:
         told = canonical(again)
         wrong = [
             (section, name)
-            for section in _ENTRIES
+            for section in SECTIONS
             for name, entry in plain[section].items()
             if told[section][name] != entry or getattr(again, section)[name] != getattr(config, section)[name]
         ]
         yield from (Issue(path, NOT_KEPT, at="key") for path in wrong)
 
 
-def _declared(plain: Plain) -> Declared:
+def _declared(plain: Plain, model: type[Config]) -> Declared:
     """What can be checked between the parts of a config that is partly wrong."""
-    humans, agents, experiments = (_valid_entries(section, plain.get(section)) for section in _ENTRIES)
+    humans, agents, experiments = (_valid_entries(model, section, plain.get(section)) for section in SECTIONS)
     expected = plain.get("expected")
     return Declared(humans, agents, experiments, expected if isinstance(expected, dict) else ())
 
 
-def _valid_entries(section: str, entries: Plain) -> dict[str, Any]:
+@cache
+def _entry(model: type[Config], section: str) -> TypeAdapter[Any]:
+    """What checks an entry of a section alone."""
+    _, entry = get_args(model.model_fields[section].annotation)
+    return TypeAdapter(entry)
+
+
+def _valid_entries(model: type[Config], section: str, entries: Plain) -> dict[str, Any]:
     valid: dict[str, Any] = {}
     for name, entry in entries.items() if isinstance(entries, dict) else ():
         try:
-            valid[name] = _ENTRIES[section].validate_json(json.dumps(entry), strict=True)
+            valid[name] = _entry(model, section).validate_json(json.dumps(entry), strict=True)
         except ValidationError:
             valid[name] = None
     return valid

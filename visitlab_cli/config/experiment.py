@@ -75,6 +75,11 @@ class Experiment(Settings):
         return {}
 
     @property
+    def steering(self) -> tuple[str, ...]:
+        """Those of `starts`, by their tasks, whose values steer the robot here."""
+        return ()
+
+    @property
     def crossed(self) -> bool:
         """Whether each seed of its own meets each seed of the modules."""
         return False

@@ -247,6 +247,11 @@ class Visit(Experiment):
         return {task: module(getattr(self.modules, task)) for task in MODULE_TASKS}
 
     @property
+    def steering(self) -> tuple[str, ...]:
+        """All but the social module, which acts itself."""
+        return NAVIGATION, GO_TO_HUMAN
+
+    @property
     def crossed(self) -> bool:
         """As declared."""
         return self.models == "crossed"

@@ -51,7 +51,7 @@ def variants(config: Config) -> Iterator[Variant]:
     frame = _Frame(config)
     for point in itertools.product(*named):
         values = {path: value for path, (value, _) in zip(config.vary, point, strict=True)}
-        found, issues = check(frame.at(values))
+        found, issues = check(frame.at(values), kept=True)
         if found is None:
             where = ", ".join(f"{path}={value}" for path, value in values.items())
             raise ConfigError(f"vary: at {where}: {dotted(issues[0].path)}: {issues[0].message}")

@@ -56,11 +56,13 @@ def load(name: str | Path, overrides: Sequence[str] = ()) -> Config:
 def load_content(content: bytes, path: Path) -> Config:
     """The config in the bytes of a file that stands for itself, such as a run's own: it includes no other.
 
+    A kind of others that is not to be had is no error here: what was made with it can be read without it.
+
     Raises:
         ConfigError: as `load`.
     """
     document, problems = read_content(content, path)
-    return with_checked_grid(build(document, problems), document)
+    return with_checked_grid(build(document, problems, kept=True), document)
 
 
 def load_text(text: str, source: str) -> Config:

@@ -1,6 +1,7 @@
 """Pydantic's errors in our words, with paths as the YAML has them."""
 
 from collections.abc import Iterator
+from functools import cache
 from typing import Any, Literal, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
@@ -36,9 +37,9 @@ _TYPES = {
 }
 
 
-def issues_of(error: ValidationError) -> list[Issue]:
-    """What pydantic found wrong, as issues of the config."""
-    return [_issue(each) for each in error.errors(include_url=False) if not _is_echo(each)]
+def issues_of(error: ValidationError, model: type[Config] = Config) -> list[Issue]:
+    """What pydantic found wrong with a config of the type `model`, as issues of the config."""
+    return [_issue(each, model) for each in error.errors(include_url=False) if not _is_echo(each)]
 
 
 def _is_echo(error: ErrorDetails) -> bool:
@@ -46,13 +47,13 @@ def _is_echo(error: ErrorDetails) -> bool:
     return error["type"] == "too_short" and len(error["input"]) >= error["ctx"]["min_length"]
 
 
-def _issue(error: ErrorDetails) -> Issue:
+def _issue(error: ErrorDetails, config: type[Config]) -> Issue:
     kind, loc, given = error["type"], error["loc"], error["input"]
-    path = _without_tags(loc)
+    path = _without_tags(loc, config)
     if kind == "missing":
         return Issue(path, "missing")
     if kind == "extra_forbidden":
-        name, known = loc[-1], sorted(_known_keys(loc[:-1]))
+        name, known = loc[-1], sorted(_known_keys(loc[:-1], config))
         return Issue(path, f"unknown{or_else(name, known)}", at="key")
     if kind in ("union_tag_not_found", "union_tag_invalid"):
         return _wrong_tag(error, path)
@@ -96,21 +97,21 @@ def _wrong_tag(error: ErrorDetails, path: Path) -> Issue:
     return Issue((*path, tag), f"no such {tag}: {shown(given)}{or_else(given, known)}")
 
 
-def _without_tags(loc: Path) -> Path:
+def _without_tags(loc: Path, config: type[Config]) -> Path:
     """Pydantic puts the tag of a union after the entry's name; the YAML has no such level."""
-    if loc and loc[0] in _TAGGED_SECTIONS and loc[2:] != ("[key]",):
+    if loc and loc[0] in _tagged_sections(config) and loc[2:] != ("[key]",):
         return loc[:2] + loc[3:]
     return loc[:2] + loc[3:] if loc[:2] == ("record", "steps") else loc
 
 
-def _known_keys(loc: Path) -> Iterator[str]:
+def _known_keys(loc: Path, config: type[Config]) -> Iterator[str]:
     """The keys that the mapping at `loc` (with tags) may have."""
-    model: type[BaseModel] = Config
+    model: type[BaseModel] = config
     for part in loc:
         field = next((found for name, found in model.model_fields.items() if key_of(model, name) == part), None)
         fitting = list(_models(field.annotation if field else None))
-        if not fitting and loc[0] in _TAGGED_SECTIONS:
-            annotation = Config.model_fields[str(loc[0])].annotation
+        if not fitting and loc[0] in _tagged_sections(config):
+            annotation = config.model_fields[str(loc[0])].annotation
             fitting = [found for found in _models(annotation) if _has_tag(found, part)]
         if len(fitting) == 1:
             model = fitting[0]
@@ -135,9 +136,8 @@ def _has_tag(model: type[BaseModel], tag: str | int) -> bool:
     )
 
 
-_TAGGED_SECTIONS = [
-    section
-    for section in ("humans", "agents", "experiments")
-    if len(list(_models(Config.model_fields[section].annotation))) > 1
-]
-"""Where the name of an entry is followed by which of several models it is of, in pydantic's paths."""
+@cache
+def _tagged_sections(config: type[Config]) -> list[str]:
+    """Where the name of an entry is followed by which of several models it is of, in pydantic's paths."""
+    sections = ("humans", "agents", "experiments")
+    return [section for section in sections if len(list(_models(config.model_fields[section].annotation))) > 1]

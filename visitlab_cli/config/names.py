@@ -15,7 +15,7 @@ Name = Annotated[str, Field(pattern=NAME_PATTERN)]
 
 ModuleName = Annotated[str, Field(pattern=MODULE_PATTERN)]
 
-RESERVED_EXPERIMENTS = ("config.yaml", "versions.json", "evaluations", "figures", "report.html")
+RESERVED_EXPERIMENTS = ("config.yaml", "versions.json", "evaluations", "failures", "figures", "report.html")
 """What else lies in a run folder beside the experiments' own folders."""
 
 RESERVED_RUNS = ("latest",)

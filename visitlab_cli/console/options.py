@@ -14,6 +14,18 @@ def _no_color(asked: bool) -> None:
         os.environ["NO_COLOR"] = "1"  # which rich and typer heed
 
 
+def _use_plugins(named: list[Path] | None) -> list[Path] | None:
+    before = os.environ.get("VISITLAB_PLUGINS")
+    if named or before:
+        from visitlab_cli.plugins import VARIABLE, use_files
+        from visitlab_cli.terminal import tell
+
+        use_files(named or ())
+        if before:
+            tell(f"plug-ins of {VARIABLE}: {before}", err=True)
+    return named
+
+
 Config = Annotated[
     str,
     typer.Argument(
@@ -62,6 +74,16 @@ TrialWord = Annotated[
         metavar="N|SELECTOR",
         help="Its number; best, worst, median or longest-engagement of all that fit.",
         autocompletion=completion.words("best", "worst", "median", "longest-engagement"),
+    ),
+]
+Plugins = Annotated[
+    list[Path] | None,
+    typer.Option(
+        "--plugin",
+        metavar="FILE",
+        help="A Python file with kinds of agents or humans; may be repeated.",
+        callback=_use_plugins,
+        show_default=False,
     ),
 ]
 Out = Annotated[Path, typer.Option("--out", help="The folder of all runs.")]

@@ -56,7 +56,7 @@ def run_config(out: Path, config: "Config", cells_of: "Callable[[Config], list[C
     with being_written(run_folder(out, config), lambda line: tell(line, err=True)):
         if mended := mend_config(out, config):
             tell(mended, err=True)
-        folder, config = open_run(out, config, versions())
+        folder, config = open_run(out, config, versions(config.kinds))
         run_and_tell(folder, config, cells_of(config), how)
 
 
@@ -123,7 +123,8 @@ def _run_missing(run: Path, cells: "Sequence[Cell]", workers: int, progress: "Pr
     missing = missing_cells(run, cells)
     needed = [path for cell in cells for path in (cell.path, *cell.modules.values())]
     ours = sources(kind for cell in cells for kind in cell.config.kinds)
-    if told := continued(made_by(run, needed), ours, bool(missing)):
+    some_absent = any(cell.absent for cell in cells)  # then nobody knows what their code would be
+    if not some_absent and (told := continued(made_by(run, needed), ours, bool(missing))):
         progress.warn(f"{run}: {told}")
     if missing:
         cost = estimate(missing, workers)
@@ -131,7 +132,7 @@ def _run_missing(run: Path, cells: "Sequence[Cell]", workers: int, progress: "Pr
         progress.say(f"{run}: {len(missing)} of {len(cells)} cells to do, {there}")
         if cost.bytes > (free := shutil.disk_usage(run).free):
             progress.say(f"the disk has only {size_in_words(free)} left; record.steps=none writes no logs")
-        warm_up(missing, progress.say)
+        warm_up([cell for cell in missing if not cell.absent], progress.say)
     failures = run_cells(run, cells, workers, progress)
     if missing:
         progress.say(f"{run}: {size_in_words(bytes_below(run))} on the disk")

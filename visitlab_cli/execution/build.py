@@ -5,11 +5,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from visitlab_cli.agents.base import AgentParameters, Saved, Setting
-from visitlab_cli.agents.greedy_table import GreedyTable
+from visitlab_cli.agents.base import Player, Saved
 from visitlab_cli.config.experiment import Site, lab_of
 from visitlab_cli.errors import RunError
 from visitlab_cli.plan.cells import Cell
+from visitlab_cli.plan.saved import setting_of
 from visitlab_cli.world.tasks import SOCIAL, TASKS
 
 
@@ -18,7 +18,7 @@ class Simulation(NamedTuple):
 
     task: Any
     agent: Any
-    parameters: AgentParameters
+    parameters: Player
     steps: int
     trials: int
 
@@ -32,7 +32,7 @@ def build(cell: Cell, models: Mapping[str, Saved]) -> Simulation:
     settings, config = cell.settings, cell.config
     lab = lab_of(settings)
     tables = {}
-    for module in cell.modules:
+    for module in cell.settings.steering:
         of_module = config.agents[settings.starts[module].agent]
         tables[module] = np.ascontiguousarray(of_module.values(models[module]), np.float64)
         shape, expected = tables[module].shape, tuple(TASKS[module].size(lab))
@@ -40,13 +40,14 @@ def build(cell: Cell, models: Mapping[str, Saved]) -> Simulation:
             raise RunError(f"{cell.path}: the {module} model has a table of {shape}, not {expected}")
     human = config.humans[cell.human].create() if cell.human else None
     task = settings.task_in(Site(lab, human, config.interaction.distances, tables))
-    parameters = settings.parameters_of(config.agents[cell.agent])
-    setting = Setting(cell.task, *settings.plays.size(lab), settings.n_steps, config.agents)
+    learner = settings.parameters_of(config.agents[cell.agent])
+    parameters: Player = cell.player if cell.frozen else learner
+    setting = setting_of(cell)
     agent: Any
     if cell.frozen:
-        agent = GreedyTable(tables[SOCIAL])
+        agent = parameters.restore(setting, models[SOCIAL])
     elif cell.modules:
-        agent = settings.restored(parameters, setting, models[SOCIAL])
+        agent = settings.restored(learner, setting, models[SOCIAL])
     else:
-        agent = parameters.create(setting)
+        agent = learner.create(setting)
     return Simulation(task, agent, parameters, settings.n_steps, settings.n_trials)

@@ -11,9 +11,10 @@ from typing import Any
 import numpy as np
 
 from visitlab_cli.agents.base import Saved
-from visitlab_cli.agents.greedy_table import GreedyTable
+from visitlab_cli.agents.plain import failure_in
 from visitlab_cli.config.canonical import hashed_yaml
 from visitlab_cli.execution.build import Simulation, build
+from visitlab_cli.execution.failures import kept_if_it_fails
 from visitlab_cli.execution.versions import versions
 from visitlab_cli.log.writer import StepRecorder
 from visitlab_cli.plan.cells import Cell
@@ -38,9 +39,14 @@ def run_cell(run: Path, cell: Cell, report: Report) -> None:
     """Simulate `cell` and commit its folder in the run folder `run`.
 
     Raises:
-        RunError: a model is damaged, or something can't be written.
+        RunError: a model is damaged, something can't be written, or its agent or human raised.
         Interrupted: `report` said so; nothing is left behind.
     """
+    with kept_if_it_fails(run, cell):
+        _run_cell(run, cell, report)
+
+
+def _run_cell(run: Path, cell: Cell, report: Report) -> None:
     started = time.perf_counter()
     start = datetime.now(UTC)
     models = modules_of(run, cell)
@@ -63,13 +69,24 @@ def run_cell(run: Path, cell: Cell, report: Report) -> None:
 def simulate(
     simulation: Simulation, random: RandomState, record: Record, report: Report
 ) -> tuple[np.ndarray[Any, np.dtype[np.float64]], float]:
-    """Play to the end in blocks: the rewards of all trials, shape (trials,), and the seconds spent playing."""
+    """Play to the end in blocks: the rewards of all trials, shape (trials,), and the seconds spent playing.
+
+    Raises:
+        AgentFailedError: an agent in plain Python raised, or answered what it must not.
+    """
     columns = empty_columns(BLOCK_ROWS)
     trial_rewards = np.zeros(simulation.trials)
     cursor, playing = START, 0.0
     while cursor.steps < simulation.steps:
         begun = time.perf_counter()
-        cursor, rows = play(simulation.task, simulation.agent, cursor, simulation.steps, random, columns, trial_rewards)
+        try:
+            cursor, rows = play(
+                simulation.task, simulation.agent, cursor, simulation.steps, random, columns, trial_rewards
+            )
+        except RuntimeError:
+            if failure := failure_in(simulation.agent, simulation.task.trial_steps):
+                raise failure from None
+            raise
         playing += time.perf_counter() - begun
         record(columns, rows)
         report(cursor.steps)
@@ -97,9 +114,7 @@ def _recorder(cell: Cell, file: Path) -> Iterator[Record]:
 
 def saved_model(simulation: Simulation, random: RandomState) -> Saved:
     """The arrays of `model.npz`: the agent's, and the state that the random stream is left in."""
-    agent = simulation.agent
-    saved = {"q": agent.q} if isinstance(agent, GreedyTable) else simulation.parameters.save(agent)
-    return {**saved, "random_state": random}
+    return {**simulation.parameters.save(simulation.agent), "random_state": random}
 
 
 def facts_of(cell: Cell, trial_rewards: np.ndarray[Any, np.dtype[np.float64]]) -> dict[str, Any]:
@@ -112,7 +127,7 @@ def facts_of(cell: Cell, trial_rewards: np.ndarray[Any, np.dtype[np.float64]]) -
         "mean_reward_last_hundredth": last_mean(trial_rewards, 100),
         "mean_reward_last_tenth": last_mean(trial_rewards, 10),
         "config_hash": cell.run_hash,
-        "versions": versions(),
+        "versions": versions(cell.config.kinds),
         SOURCES: sources(cell.config.kinds),
     }
 

@@ -123,7 +123,11 @@ class _Running:
                 return
             needed = cell.modules.values()
             failed = [path for path in needed if path in self.failures]
-            if failed:
+            if cell.absent:
+                path, why = next(iter(cell.absent.items()))
+                self._fail(cell, f"{path}: {why}")
+                self.waiting.remove(cell)
+            elif failed:
                 self._fail(cell, f"needs {failed[0]}, which failed")
                 self.waiting.remove(cell)
             elif not any(path in ahead for path in needed):

@@ -5,7 +5,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cache
 
+from numba.core.errors import NumbaError
+
 from visitlab_cli.agents.base import Saved, Setting
+from visitlab_cli.agents.plain import AgentFailedError
 from visitlab_cli.compiled import JIT_DISABLED, place_of, records_in
 from visitlab_cli.config.experiment import lab_of
 from visitlab_cli.execution.build import Simulation, build
@@ -35,15 +38,19 @@ def warm_up(cells: Sequence[Cell], say: Callable[[str], None]) -> None:
 def compile_here(cell: Cell) -> None:
     """Compile or load in this process, once, what `cell` needs, so that what it does afterwards is simulation."""
     if not JIT_DISABLED and _pair(cell) not in _compiled_here:
-        _play(_one_step(cell))
-        _compiled_here.add(_pair(cell))
+        with contextlib.suppress(AgentFailedError, NumbaError):  # the cell itself will tell
+            _play(_one_step(cell))
+            _compiled_here.add(_pair(cell))
 
 
 def _warm_up(cells: Sequence[Cell], say: Callable[[str], None]) -> None:
     KernelCache.damage_found = cache(lambda: say("the cache of compiled code is damaged: compiling again"))
     announced = False
     for name, cell in {_pair(cell): cell for cell in cells}.items():
-        simulation = _one_step(cell)
+        try:
+            simulation = _one_step(cell)
+        except AgentFailedError:
+            continue  # the cell fails alone, and tells it
         place = place_of(records_in((simulation.task, simulation.agent)))
         marker = None if place.folder is None else place.folder / (COMPILED + name)
         if not announced and (marker is None or not marker.exists()):
@@ -52,7 +59,10 @@ def _warm_up(cells: Sequence[Cell], say: Callable[[str], None]) -> None:
                 say(f"compiling (each time: {place.why}; set {VARIABLE} to a folder of your own)")
             else:
                 say("compiling (first run only, about ten seconds)")
-        _play(simulation)
+        try:
+            _play(simulation)
+        except (AgentFailedError, NumbaError):
+            continue  # likewise
         _compiled_here.add(name)
         if marker is not None:
             with contextlib.suppress(OSError):

@@ -5,7 +5,7 @@ from typing import Annotated, Any
 
 from pydantic import AfterValidator, Field
 
-from visitlab_cli.settings import Settings
+from visitlab_cli.kinds import Kind
 
 SUM_TOLERANCE = 1e-9
 
@@ -20,7 +20,7 @@ Probability = Annotated[float, Field(ge=0, le=1)]
 SpeedDistribution = Annotated[tuple[Probability, ...], Field(min_length=3, max_length=3), AfterValidator(_sums_to_one)]
 
 
-class HumanParameters(Settings):
+class HumanParameters(Kind):
     """A human as the YAML declares it; a subclass adds its numbers, and all but the paper's `kind`, a Literal."""
 
     def create(self) -> Any:

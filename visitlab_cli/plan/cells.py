@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
+from visitlab_cli.agents.base import Player
 from visitlab_cli.config.canonical import config_hash
 from visitlab_cli.config.experiment import Experiment
 from visitlab_cli.config.grid import variants
@@ -39,6 +40,23 @@ class Cell:
     def frozen(self) -> bool:
         """Whether it neither learns nor explores."""
         return self.evaluation.frozen
+
+    @property
+    def player(self) -> Player:
+        """Whose arrays it saves: its agent's parameters, or the frozen one's."""
+        agent = self.config.agents[self.agent]
+        return agent.frozen if self.frozen else agent
+
+    @property
+    def absent(self) -> dict[str, str]:
+        """Which of the humans and agents that it is simulated with can't be had here, by their paths, and why."""
+        agents = {self.agent, *(start.agent for start in self.settings.starts.values())}
+        agents |= {
+            getattr(self.config.agents[name], field) for name in agents for field in self.config.agents[name].references
+        }
+        taking_part = {f"agents.{name}": self.config.agents[name].absent for name in sorted(agents)}
+        taking_part |= {f"humans.{self.human}": self.config.humans[self.human].absent} if self.human else {}
+        return {path: why for path, why in taking_part.items() if why}
 
     @property
     def settings(self) -> Experiment:

@@ -5,7 +5,7 @@ from functools import partial
 from pathlib import Path
 
 from visitlab_cli.agents.base import Setting
-from visitlab_cli.agents.declared import RANDOM_STATE, Declared, floats
+from visitlab_cli.agents.declared import RANDOM_STATE, Declared
 from visitlab_cli.agents.exploration import Table
 from visitlab_cli.config.experiment import lab_of
 from visitlab_cli.errors import RunError, VisitlabError
@@ -48,17 +48,16 @@ def _check_log(run: Path, cell: Cell) -> None:
 
 def setting_of(cell: Cell) -> Setting:
     """Where a cell's agent plays."""
-    settings = cell.settings
-    return Setting(cell.task, *settings.plays.size(lab_of(settings)), settings.n_steps, cell.config.agents)
+    settings, config = cell.settings, cell.config
+    size = settings.plays.size(lab_of(settings))
+    return Setting(cell.task, *size, settings.n_steps, config.agents, config.seed, cell.path)
 
 
-def declared(cell: Cell) -> dict[str, Declared]:
-    """What each array of a cell's `model.npz` must be."""
-    setting = setting_of(cell)
-    of_agent = cell.config.agents[cell.agent].arrays(setting)
-    if cell.frozen:  # one that does not learn saves its values alone
-        of_agent = {"q": floats(setting.n_states, setting.n_actions)}
-    return {**of_agent, "random_state": RANDOM_STATE}
+def declared(cell: Cell) -> dict[str, Declared] | None:
+    """What each array of a cell's `model.npz` must be; None where its agent's kind is not to be had."""
+    if cell.config.agents[cell.agent].absent:
+        return None
+    return {**cell.player.arrays(setting_of(cell)), "random_state": RANDOM_STATE}
 
 
 def model_of(run: Path, cell: Cell) -> Arrays:
@@ -70,7 +69,7 @@ def model_of(run: Path, cell: Cell) -> Arrays:
     """
     file = run / cell.path / MODEL
     arrays = read_model(file, declared(cell))
-    fault = None if cell.frozen else cell.config.agents[cell.agent].fault(setting_of(cell), arrays)
+    fault = cell.player.fault(setting_of(cell), arrays)
     if fault:
         raise damaged(file, fault)
     return arrays
@@ -82,8 +81,7 @@ def values_of(run: Path, cell: Cell) -> Table:
     Raises:
         NotFoundError, RunError: as `model_of`.
     """
-    arrays = model_of(run, cell)
-    return arrays["q"] if cell.frozen else cell.config.agents[cell.agent].values(arrays)
+    return cell.player.values(model_of(run, cell))
 
 
 def models_of(run: Path, cell: Cell) -> dict[str, Arrays]:
@@ -92,7 +90,7 @@ def models_of(run: Path, cell: Cell) -> dict[str, Arrays]:
     Raises:
         NotFoundError, RunError: as `model_of`.
     """
-    return {} if cell.frozen else cell.config.agents[cell.agent].models(model_of(run, cell))
+    return cell.player.models(model_of(run, cell))
 
 
 def modules_of(run: Path, cell: Cell) -> dict[str, Arrays]:

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import yaml
-from pydantic import TypeAdapter
 
 from visitlab_cli.agents.base import Setting
 from visitlab_cli.agents.declared import floats
@@ -140,10 +139,10 @@ def _learned(path: Path, task: Task, lab: Lab, cell: str, config: dict[str, Any]
     file = path.with_name(MODEL)
     with contextlib.suppress(VisitlabError, KeyError):
         return read_model(file, {"q": floats(*task.size(lab))})["q"]
-    from visitlab_cli.agents.registry import AnyAgent  # only now: it takes a moment, and most models have a q
+    from visitlab_cli.config.building import agents_of  # only now: it takes a moment, and most models have a q
 
     with contextlib.suppress(VisitlabError, LookupError, TypeError, AttributeError, ValueError):
-        agents = TypeAdapter(dict[str, AnyAgent]).validate_python(config["agents"])
+        agents = agents_of(config)
         experiment, player = cell.split("/")[:2]
         modules = config["experiments"][experiment].get("modules")
         agent = agents[player if modules is None else module(modules[SOCIAL]).agent]

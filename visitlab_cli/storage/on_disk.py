@@ -14,8 +14,8 @@ from visitlab_cli.storage.reading import check_damage
 
 EVALUATIONS, OPTIONS = "evaluations", "evaluation.json"
 """The folder of what was played with options of its own, and the file of the options in each of its folders."""
-REPORT, FIGURES = "report.html", "figures"
-"""A run's page, and the folder of its pictures."""
+REPORT, FIGURES, FAILURES = "report.html", "figures", "failures"
+"""A run's page, and the folders of its pictures and of the tracebacks of cells that failed."""
 _SEED_FOLDER = re.compile(r"seed-\d+")
 
 

@@ -24,6 +24,7 @@ from visitlab_cli.storage.cell_folder import (
 from visitlab_cli.storage.locks import RUN_LOCK, to_remove
 from visitlab_cli.storage.on_disk import (
     EVALUATIONS,
+    FAILURES,
     FIGURES,
     OPTIONS,
     REPORT,
@@ -138,6 +139,8 @@ def foreign_files(run: Path) -> Iterator[str]:
             known, drawn = top, {REPORT}
         elif folder == run / FIGURES:
             known, drawn = set(), {name for name in files if _FIGURE.fullmatch(name)}
+        elif folder == run / FAILURES:
+            known, drawn = set(), set(files)
         elif folder.parent == run / EVALUATIONS:
             known, drawn = {OPTIONS}, {"matrix.svg"}  # the picture is of an earlier version
         for name in sorted(set(files) - known):

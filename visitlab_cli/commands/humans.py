@@ -1,0 +1,17 @@
+"""`visitlab humans`: the kinds of humans that are there, whose they are, and what they take."""
+
+from visitlab_cli.console.help import Help
+from visitlab_cli.console.options import Json, Plugins
+
+HELP = Help(
+    "Configure",
+    place=5,
+    examples=("visitlab humans", "visitlab humans --plugin my_human.py"),
+)
+
+
+def command(plugin: Plugins = None, as_json: Json = False) -> None:
+    """List the kinds of humans: built-in ones, those of installed packages and of files that are named."""
+    from visitlab_cli.console.kinds import tell_kinds
+
+    tell_kinds("humans", as_json=as_json)

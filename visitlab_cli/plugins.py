@@ -1,0 +1,187 @@
+"""Where kinds of other people lie: packages that declare them, files that a command names. Imported when named.
+
+A package declares a kind by an entry point, in the group `visitlab.agents` or `visitlab.humans`, whose name is the
+word that a config has for it. A file that is in no package is named by `--plugin`, or in VISITLAB_PLUGINS; a config
+never names one, for else who shares a config would share code.
+"""
+
+import hashlib
+import importlib.util
+import os
+import sys
+from collections.abc import Iterable, Iterator, Sequence
+from functools import cache
+from importlib.metadata import EntryPoint, entry_points
+from pathlib import Path
+from types import ModuleType
+from typing import NamedTuple, TypeVar
+
+from pydantic import BaseModel
+
+from visitlab_cli.errors import NotFoundError, UsageError
+from visitlab_cli.kinds import kinds_in, words_of
+from visitlab_cli.sources import is_others
+from visitlab_cli.wording import printable
+
+API = 1
+"""The number of what this version promises to kinds of others; a kind may say for which it was written, by `api`."""
+VARIABLE = "VISITLAB_PLUGINS"
+OURS = "visitlab"
+GROUPS = {"agents": "visitlab.agents", "humans": "visitlab.humans"}
+
+Base = TypeVar("Base", bound=BaseModel)
+
+
+class PluginError(Exception):
+    """A kind of somebody else can't be had; the message says whose it is and what to do."""
+
+
+class NoSuchKindError(PluginError):
+    """Nobody declares a kind."""
+
+
+class Source(NamedTuple):
+    """Who declares a kind: a package of a version, or a file, which has none."""
+
+    word: str
+    package: str
+    version: str
+    entry: EntryPoint | None
+
+    def __str__(self) -> str:
+        return " ".join(filter(None, (self.package, self.version)))
+
+
+def files() -> list[Path]:
+    """The files that are named as plug-ins."""
+    return [Path(name) for name in os.environ.get(VARIABLE, "").split(os.pathsep) if name]
+
+
+def use_files(names: Sequence[str | Path]) -> None:
+    """Name further files as plug-ins, for this process and those that it starts.
+
+    Raises:
+        NotFoundError: there is no such file.
+        UsageError: it is no Python file, or its path holds what separates paths.
+    """
+    paths = [Path(name).absolute() for name in names]
+    for path in [*files(), *paths]:
+        if not path.is_file():
+            raise NotFoundError(f"{printable(str(path))}: no such file, named as a plug-in")
+        if path.suffix != ".py" or not path.stem.isidentifier() or os.pathsep in str(path):
+            raise UsageError(
+                f"{printable(str(path))}: a plug-in's file is a Python module: letters, digits, _, then .py"
+            )
+    if known := dict.fromkeys([*(path.absolute() for path in files()), *paths]):
+        os.environ[VARIABLE] = os.pathsep.join(map(str, known))
+
+
+def versions_of(kinds: Iterable[type]) -> dict[str, str]:
+    """What a run's folder keeps of the kinds of others: a package's version, of a file a part of its sha256."""
+    modules = {kind.__module__ for kind in kinds if is_others(getattr(sys.modules[kind.__module__], "__file__", ""))}
+    by_file = {_name(path): path for path in files()}
+    found = {}
+    for section in GROUPS:
+        for source in declared(section):
+            if source.entry is not None and source.entry.module in modules:
+                found[source.package] = source.version
+    for module in modules & set(by_file):
+        content = by_file[module].read_bytes()
+        found[f"plugin {by_file[module].name}"] = hashlib.sha256(content).hexdigest()[:16]
+    return found
+
+
+def declared(section: str) -> list[Source]:
+    """Every kind that packages declare in a section of the config, `agents` or `humans`, none being imported."""
+    found = [entry for entry in entry_points(group=GROUPS[section]) if entry.dist is None or entry.dist.name != OURS]
+    return [
+        Source(
+            entry.name, entry.dist.name if entry.dist else entry.value, entry.dist.version if entry.dist else "", entry
+        )
+        for entry in sorted(found, key=lambda entry: entry.name)
+    ]
+
+
+def all_words(section: str, base: type[Base]) -> list[Source]:
+    """Every kind of others, each word once for each who declares it; files are imported, packages are not."""
+    return [*(source for source, _ in in_files(base)), *declared(section)]
+
+
+def in_files(base: type[Base]) -> Iterator[tuple[Source, type[Base]]]:
+    """Every kind in the files that are named as plug-ins.
+
+    Raises:
+        PluginError: one of them can't be imported.
+    """
+    for file in files():
+        for word, kind in kinds_in(_module(file), base):
+            yield Source(word, str(file), "", None), kind
+
+
+def find(section: str, word: str, base: type[Base]) -> type[Base]:
+    """The kind of somebody else that a word of the config means.
+
+    Raises:
+        NoSuchKindError: nobody declares it.
+        PluginError: two do, or the one that does can't be used.
+    """
+    candidates: dict[Source, object] = {source: kind for source, kind in in_files(base) if source.word == word}
+    candidates |= {source: None for source in declared(section) if source.word == word}
+    if not candidates:
+        how = "install its package, or name its file by --plugin"
+        raise NoSuchKindError(f"no kind of {section} is called {word} here; {how}")
+    if len(candidates) > 1:
+        both = " and ".join(map(str, candidates))
+        raise PluginError(f"{word} is declared by {both}; uninstall, or leave out, all but one")
+    ((source, kind),) = candidates.items()
+    return _checked(source, _imported(source) if kind is None else kind, base)
+
+
+def _imported(source: Source) -> object:
+    assert source.entry is not None
+    try:
+        found: object = source.entry.load()
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:
+        why = f"{type(error).__name__}: {error}".splitlines()[0]
+        raise PluginError(
+            f"{source.word}, of {source}, can't be imported: {why}; mend it or install another version"
+        ) from error
+    return found
+
+
+def _checked(source: Source, kind: object, base: type[Base]) -> type[Base]:
+    if not isinstance(kind, type) or not issubclass(kind, base) or source.word not in words_of(kind):
+        needed = f"a subclass of {base.__name__} whose kind is Literal[{source.word!r}]"
+        raise PluginError(f"{source.word}, of {source}, is not {needed}; its package must be mended")
+    if (api := getattr(kind, "api", API)) != API:
+        raise PluginError(
+            f"{source.word}, of {source}, was written for API {api}; this visitlab has API {API}: "
+            f"install another version of {source.package} or of visitlab"
+        )
+    return kind
+
+
+def _name(file: Path) -> str:
+    return f"visitlab_plugin_{file.stem}"
+
+
+@cache
+def _module(file: Path) -> ModuleType:
+    name = _name(file)
+    spec = importlib.util.spec_from_file_location(name, file)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    is_others(str(file))
+    sys.modules[name] = module
+    try:
+        spec.loader.exec_module(module)
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:
+        del sys.modules[name]
+        why = f"{type(error).__name__}: {error}".splitlines()[0]
+        raise PluginError(f"{file} can't be imported: {why}; mend it") from error
+    return module
