@@ -86,7 +86,7 @@ def play(agent, state, steps, random, chosen):
     for step in range(1, steps + 1):
         action, explored = choose(agent, state, step, random)
         chosen[step - 1] = action + 10 * explored
-        learn(agent, state, action, float(action == 2), (state + action) % 4, False, step, random)
+        learn(agent, state, action, 1.0 if action == 2 else 0.0, (state + action) % 4, False, step, random)
         state = (state + action) % 4
     return state
 
