@@ -25,7 +25,7 @@ FLOORS = [
     {"plan"},
     {"execution"},
     {"results"},
-    {"door"},
+    {"authoring", "door"},
     {"colours", "scene", "pictures"},
     {"affordances"},
     {"paper"},

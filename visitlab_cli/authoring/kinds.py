@@ -1,0 +1,63 @@
+"""The agent that a command names: a kind, built in or somebody else's, with parameters as `key=value`."""
+
+import json
+from collections.abc import Sequence
+
+import yaml
+
+from visitlab_cli.agents.base import AgentParameters
+from visitlab_cli.agents.registry import KINDS
+from visitlab_cli.config.loading import load_text
+from visitlab_cli.errors import NotFoundError, RunError, UsageError
+from visitlab_cli.kinds import KIND
+from visitlab_cli.plugins import NoSuchKindError, PluginError, find
+from visitlab_cli.wording import or_else, printable
+from visitlab_cli.world.columns import ENGAGEMENT
+from visitlab_cli.world.tasks import TASKS
+
+AGENT = "it"
+
+
+def agent_of(word: str, parameters: Sequence[str] = ()) -> AgentParameters:
+    """The parameters of an agent of a kind.
+
+    Args:
+        word: the kind, as a config names it.
+        parameters: `key=value` each, the value as in YAML; the others are as by default.
+
+    Raises:
+        NotFoundError: nobody declares the kind.
+        RunError: it can't be used.
+        UsageError: a parameter is not `key=value`, or the kind refers to other agents and is nothing alone.
+        ConfigError: a parameter is not one of the kind's, or has a value that it can't have.
+    """
+    try:
+        kind: type[AgentParameters] = KINDS.get(word) or find("agents", word, AgentParameters)
+    except NoSuchKindError as error:
+        raise NotFoundError(f"{error}{or_else(word, list(KINDS))}") from None
+    except PluginError as error:
+        raise RunError(str(error)) from error
+    if kind.references:
+        raise UsageError(
+            f"{word}: refers to other agents ({', '.join(kind.references)}), and is nothing to check alone"
+        )
+    values = {}
+    for each in parameters:
+        key, equals, text = each.partition("=")
+        if not (key and equals):
+            raise UsageError(f"{printable(each)}: must be key=value")
+        try:
+            values[key] = yaml.safe_load(text)
+        except yaml.YAMLError:
+            raise UsageError(f"{printable(each)}: the value is no YAML") from None
+    task = kind.tasks[0]
+    document = {
+        "name": "check",
+        "humans": {"somebody": {"p_S": [0, 0.5, 0.5]}},
+        "agents": {AGENT: {KIND: word, **values}},
+        "experiments": {
+            "check": {"task": task, "agents": [AGENT], "steps": 1000}
+            | ({"humans": ["somebody"]} if TASKS[task].has(ENGAGEMENT) else {})
+        },
+    }
+    return load_text(json.dumps(document), "KEY=VALUE").agents[AGENT]
