@@ -131,7 +131,7 @@ def find(section: str, word: str, base: type[Base]) -> type[Base]:
         how = "install its package, or name its file by --plugin"
         raise NoSuchKindError(f"no kind of {section} is called {word} here; {how}")
     if len(candidates) > 1:
-        both = " and ".join(map(str, candidates))
+        both = " and ".join(sorted(map(str, candidates)))
         raise PluginError(f"{word} is declared by {both}; uninstall, or leave out, all but one")
     ((source, kind),) = candidates.items()
     return _checked(source, _imported(source) if kind is None else kind, base)

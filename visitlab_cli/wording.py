@@ -8,6 +8,7 @@ from typing import Any
 LONGEST_SHOWN = 60
 MOST_NAMES = 20
 MOST_COMPARED = 5_000
+MEANT = "; did you mean "
 
 
 def cut(text: str) -> str:
@@ -59,6 +60,6 @@ def or_else(name: Any, known: Sequence[str]) -> str:
     """How a message about an unknown name ends: the nearest known name, else all of them."""
     near = nearest_name(name, known) if isinstance(name, str) else None
     if near is not None:
-        return f"; did you mean {printable(near)}?"
+        return f"{MEANT}{printable(near)}?"
     names = [printable(cut(other)) for other in known[:MOST_NAMES]] + ["..."] * (len(known) > MOST_NAMES)
     return f"; known: {', '.join(names)}" if names else "; none is declared"

@@ -11,12 +11,13 @@ from visitlab_cli.config.model import Config
 from visitlab_cli.config.names import MODULE_PATTERN, MODULE_RULE, NAME_RULE
 from visitlab_cli.kinds import KIND, UNSAID
 from visitlab_cli.settings import key_of, keys_of
-from visitlab_cli.wording import or_else, shown
+from visitlab_cli.wording import MEANT, or_else, shown
 from visitlab_cli.yaml.problems import Issue, Path
 
 EXTRA_KEYS: dict[str, tuple[str, ...]] = {"": ("include",), "humans": ("like",), "agents": ("like",)}
 """Keys that are resolved before validation."""
 
+OF_OTHERS = "; for one of somebody else's install its package, or name its file by --plugin"
 _BOUNDS = {
     "greater_than_equal": ("at least", "ge"),
     "greater_than": ("more than", "gt"),
@@ -94,7 +95,9 @@ def _wrong_tag(error: ErrorDetails, path: Path) -> Issue:
         return Issue((*path, tag), "missing")
     known = [each for each in error["ctx"]["expected_tags"].replace("'", "").split(", ") if each != UNSAID]
     given = error["input"][tag]
-    return Issue((*path, tag), f"no such {tag}: {shown(given)}{or_else(given, known)}")
+    instead = or_else(given, known)
+    is_theirs = tag == KIND and isinstance(given, str) and not instead.startswith(MEANT)
+    return Issue((*path, tag), f"no such {tag}: {shown(given)}{instead}{OF_OTHERS if is_theirs else ''}")
 
 
 def _without_tags(loc: Path, config: type[Config]) -> Path:

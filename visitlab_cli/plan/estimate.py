@@ -26,6 +26,9 @@ MODEL_STEPS, MODEL_GROWTH = 200_000, 0.7
 WITHOUT_COUNTS = 0.25
 """What of it an agent has that learns and keeps no counts."""
 
+PLAIN = 8.0
+"""Microseconds of a step of an agent in plain Python that does not tell them: of a table of Q-learning."""
+
 
 class Estimate(NamedTuple):
     """What cells would cost: `steps`, `seconds` on so many workers, `bytes` on the disk."""
@@ -50,8 +53,8 @@ def estimate(cells: Sequence[Cell], workers: int) -> Estimate:
 
 def _seconds(cell: Cell) -> float:
     agent = RandomParameters if cell.frozen else cell.config.agents[cell.agent]  # frozen: neither learns nor plans
-    told = agent.microseconds_a_step.get(cell.task)
-    return cell.settings.plays.costs.seconds + cell.steps * (_dearest(cell.task) if told is None else told) / 1e6
+    told = agent.microseconds_a_step.get(cell.task, PLAIN if not agent.compiled() else _dearest(cell.task))
+    return cell.settings.plays.costs.seconds + cell.steps * told / 1e6
 
 
 def _dearest(task: str) -> float:
