@@ -7,6 +7,7 @@ import sys
 
 import pytest
 
+from tests import packages
 from tests.program import the_run, visitlab
 
 
@@ -27,14 +28,8 @@ def package(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def installed(package, tmp_path_factory):
-    """What to add to the environment so that the package is installed, without the network."""
-    place = tmp_path_factory.mktemp("packages")
-    (place / "my_agent").symlink_to(package / "my_agent")
-    about = place / "visitlab_my_agent-0.1.0.dist-info"
-    about.mkdir()
-    (about / "METADATA").write_text("Metadata-Version: 2.1\nName: visitlab-my-agent\nVersion: 0.1.0\n")
-    (about / "entry_points.txt").write_text("[visitlab.agents]\nmy_agent = my_agent:Parameters\n")
-    return {"PYTHONPATH": str(place)}
+    """What to add to the environment so that the package is installed."""
+    return packages.installed(package, tmp_path_factory.mktemp("packages"))
 
 
 def test_its_project_file_declares_what_it_is(package):

@@ -1,0 +1,1 @@
+"""More agents and humans for visitlab, compiled."""
