@@ -19,6 +19,7 @@ from visitlab_cli.plan.saved import trials_of as trials_in
 from visitlab_cli.results.evaluated import evaluated
 from visitlab_cli.results.export import results_table
 from visitlab_cli.results.groups import point_of
+from visitlab_cli.results.metrics import group_metrics
 from visitlab_cli.results.summary import summaries
 from visitlab_cli.results.tables import Reader, model_of, stacked, steps_of, trials_of
 from visitlab_cli.storage.arrays import Arrays
@@ -126,6 +127,16 @@ class LoadedRun:
     def models(self, **wanted: str | int) -> Any:
         """A data frame with a row a state and action: `state`, `action`, `q`, `visits`, `reward_sums`."""
         return self._frame(model_of, wanted)
+
+    def metrics(self, **wanted: str | int) -> Any:
+        """A data frame with a row for each group and metric: what `visitlab metrics` shows (docs/metrics.md)."""
+        chosen = {cell.path for cell in self.select(**wanted)}
+        groups = group_metrics(self.path, [cell for cell in self._plan if cell.path in chosen])
+        rows = [row for each in groups for row in each.as_rows()]
+        for row in rows:
+            row["low"], row["high"] = row.pop("interval") or (None, None)
+            row.update(row.pop("point"))
+        return _pandas().DataFrame(rows)
 
     def _frame(self, read: Reader, wanted: dict[str, str | int]) -> Any:
         _pandas()

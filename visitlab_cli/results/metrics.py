@@ -1,0 +1,254 @@
+"""What an interaction was like, from a cell's log: gaze, time to engagement, distance, attention lost, the way walked.
+
+Such numbers are told of robots among people by HuNavSim (Perez-Higueras et al., 2023), Habitat 3.0 (Puig et al.,
+2024) and Arena; here distances are in cells and times in steps. docs/metrics.md has each definition.
+"""
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from visitlab_cli.config.experiment import lab_of
+from visitlab_cli.errors import NotFoundError
+from visitlab_cli.log.reader import check_values, read_steps
+from visitlab_cli.plan.cells import Cell
+from visitlab_cli.results.estimates import Estimate, mean_of
+from visitlab_cli.results.groups import Group, groups_of
+from visitlab_cli.results.units import Units, by_unit
+from visitlab_cli.storage.cell_folder import STEPS, read_cell
+from visitlab_cli.world.columns import ENGAGEMENT, GOAL
+from visitlab_cli.world.enums import DISTANCE_NAMES, InteractionLevel
+from visitlab_cli.world.geometry import BEHIND, CIRCLE, FACING_FIELD, HUNDREDTHS, make_geometry
+from visitlab_cli.world.lab import COL_STEPS, ROW_STEPS, Lab
+
+Values = npt.NDArray[Any]
+Steps = dict[str, Values]
+SHARE, STEPS_UNIT, PER_HUNDRED, RATIO = "share", "steps", "per 100 steps", "ratio"
+
+
+class Metric(NamedTuple):
+    """A number of an interaction: its `unit`, and what it `is`."""
+
+    unit: str
+    what: str
+
+
+_UNTIL = {
+    "seen": "the human sees the robot",
+    "greeted": "the human is greeted, or engaged further",
+    "following": "the human follows",
+}
+METRICS = {
+    "robot_gaze": Metric(SHARE, "steps after which the robot faces the human"),
+    "human_gaze": Metric(SHARE, "steps after which the human faces the robot"),
+    **{
+        f"steps_until_{name}": Metric(STEPS_UNIT, f"until {what}, of trials in which that is so")
+        for name, what in _UNTIL.items()
+    },
+    **{f"trials_{name}": Metric(SHARE, f"trials in which {what}") for name, what in _UNTIL.items()},
+    "steps_until_goal": Metric(STEPS_UNIT, "until the first goal, of trials in which one is reached"),
+    "trials_goal": Metric(SHARE, "trials in which a goal is reached"),
+    **{name.replace(" ", "_"): Metric(SHARE, f"steps after which the distance is {name}") for name in DISTANCE_NAMES},
+    "following": Metric(SHARE, "steps after which the human follows"),
+    "attention_lost": Metric(PER_HUNDRED, "times that an engaged human is engaged no more"),
+    "steps_until_back": Metric(
+        STEPS_UNIT, "from a loss until the human is engaged again, of losses that are made good"
+    ),
+    "attention_back": Metric(SHARE, "losses that are made good in the same trial"),
+    "path_efficiency": Metric(
+        RATIO, "the human's shortest way to a goal over the way that it walked, of goals reached"
+    ),
+}
+"""Every metric by name, in the order in which they are told; the last, and those of goals, are of a visit."""
+
+
+def metrics_of(run: Path, cell: Cell) -> dict[str, float]:
+    """The metrics of a finished cell with a human who can be engaged, by name; without those that it does not have.
+
+    Raises:
+        NotFoundError: the cell has no log.
+        RunError: it is damaged, or has values that there are not.
+    """
+    file = run / cell.path / STEPS
+    if not file.is_file():
+        raise NotFoundError(f"{file.parent}: has no log, its config records no steps; run it with record.steps=every")
+    names = ["trial", "step", "reward", "robot_row", "robot_col", "robot_heading", "human_row", "human_col"]
+    names += ["human_heading", "interaction_level", "distance"]
+    names += ["goal_room"] if cell.settings.plays.has(GOAL) else []
+    steps, lab = read_steps(file, names), lab_of(cell.settings)
+    check_values(file, steps, cell.task, lab)
+    return measured(steps, lab)
+
+
+def measured(steps: Steps, lab: Lab) -> dict[str, float]:
+    """The metrics of recorded steps, whole trials from their step 0 on, that were played in `lab`."""
+    after = steps["step"] > 0
+    level = steps["interaction_level"]
+    found = _gaze(steps, after)
+    for name, least in (
+        ("seen", InteractionLevel.SEEN),
+        ("greeted", InteractionLevel.GREETED),
+        ("following", InteractionLevel.FOLLOWS),
+    ):
+        found |= _until(name, steps, level >= least)
+    found |= {
+        name.replace(" ", "_"): _share(steps["distance"][after] == number) for number, name in enumerate(DISTANCE_NAMES)
+    }
+    found["following"] = _share(level[after] == InteractionLevel.FOLLOWS)
+    found |= _attention(steps, level >= InteractionLevel.GREETED)
+    if "goal_room" in steps:
+        found |= _until("goal", steps, after & (steps["reward"] > 0)) | _paths(steps, lab)
+    return {name: found[name] for name in METRICS if name in found}
+
+
+def _share(flags: Values) -> float:
+    return float(flags.mean()) if len(flags) else float("nan")
+
+
+def _mean(values: Sequence[float] | Values) -> float:
+    return float(np.mean(values)) if len(values) else float("nan")
+
+
+def _gaze(steps: Steps, after: Values) -> dict[str, float]:
+    north = steps["robot_row"].astype(np.int64) - steps["human_row"]
+    east = steps["human_col"].astype(np.int64) - steps["robot_col"]
+    size = int(max(abs(north).max(), abs(east).max())) + 1
+    geometry = make_geometry(size, size)
+    bearing = geometry.bearing[north + geometry.reach, east + geometry.reach]
+    return {
+        "robot_gaze": _share(_faces(steps["robot_heading"], bearing)[after]),
+        "human_gaze": _share(_faces(steps["human_heading"], bearing + BEHIND)[after]),
+    }
+
+
+def _faces(heading: Values, bearing: Values) -> Values:
+    turn = (heading.astype(np.int64) * HUNDREDTHS - bearing) % CIRCLE
+    return np.minimum(turn, CIRCLE - turn) <= FACING_FIELD
+
+
+def _begins(steps: Steps) -> Values:
+    """The first row of each trial, and the number of rows."""
+    return np.append(np.flatnonzero(steps["step"] == 0), len(steps["step"]))
+
+
+def _until(name: str, steps: Steps, is_so: Values) -> dict[str, float]:
+    """In which trials something becomes so, and from which of their steps on, 0 being the state that they begin in."""
+    begins = _begins(steps)
+    rows = np.flatnonzero(is_so)
+    first = np.searchsorted(rows, begins[:-1])
+    met = first < len(rows)
+    met[met] = rows[first[met]] < begins[1:][met]
+    return {f"steps_until_{name}": _mean(steps["step"][rows[first[met]]]), f"trials_{name}": _share(met)}
+
+
+def _attention(steps: Steps, engaged: Values) -> dict[str, float]:
+    begins = _begins(steps)
+    within = steps["step"] > 0
+    lost = np.flatnonzero(within[1:] & engaged[:-1] & ~engaged[1:]) + 1
+    rows = np.flatnonzero(engaged)
+    ends = begins[np.searchsorted(begins, lost, side="right")]
+    again = np.searchsorted(rows, lost)
+    back = again < len(rows)
+    back[back] = rows[again[back]] < ends[back]
+    return {
+        "attention_lost": 100 * len(lost) / max(1, int(within.sum())),
+        "steps_until_back": _mean(rows[again[back]] - lost[back]),
+        "attention_back": _share(back),
+    }
+
+
+def _paths(steps: Steps, lab: Lab) -> dict[str, float]:
+    """Of each goal that is reached: from where the human stood when it was set."""
+    rows, cols = steps["human_row"].astype(np.int64), steps["human_col"].astype(np.int64)
+    walked = np.maximum(abs(np.diff(rows, prepend=rows[0])), abs(np.diff(cols, prepend=cols[0])))
+    walked[steps["step"] == 0] = 0
+    so_far = np.cumsum(walked)
+    away = [distances_to(lab, room) for room in range(lab.n_rooms)]
+    ratios: list[float] = []
+    since = 0
+    reached = (steps["step"] > 0) & (steps["reward"] > 0)
+    for row in np.flatnonzero(reached | (steps["step"] == 0)).tolist():
+        if reached[row]:
+            shortest = away[int(steps["goal_room"][since])][rows[since], cols[since]]
+            walk = so_far[row] - so_far[since]
+            if walk > 0:  # else it stood there already
+                ratios.append(min(1.0, float(shortest / walk)))
+        since = row
+    return {"path_efficiency": _mean(ratios)}
+
+
+def distances_to(lab: Lab, room: int) -> npt.NDArray[np.int64]:
+    """The fewest moves of one cell from each cell to a room, all doors open: shape (rows, cols), -1 for never."""
+    found = np.where(lab.rooms == room, 0, -1)
+    edge = [(int(row), int(col)) for row, col in zip(*np.nonzero(lab.rooms == room), strict=True)]
+    steps = 0
+    while edge:
+        steps += 1
+        further = []
+        for row, col in edge:
+            for direction, (south, east) in enumerate(zip(ROW_STEPS, COL_STEPS, strict=True)):
+                place = row + int(south), col + int(east)
+                if lab.reach[row, col, direction] and found[place] < 0:
+                    found[place] = steps
+                    further.append(place)
+        edge = further
+    return found
+
+
+class GroupMetrics(NamedTuple):
+    """The metrics of a group: of each that it has, the mean over its independent units, and how many have it."""
+
+    group: Group
+    values: dict[str, tuple[Estimate, Units]]
+
+    def as_rows(self) -> list[dict[str, Any]]:
+        """A line a metric, as plain values."""
+        return [
+            {
+                "experiment": self.group.experiment,
+                "agent": self.group.agent,
+                "human": self.group.human or None,
+                "point": dict(self.group.point),
+                "metric": name,
+                "unit": METRICS[name].unit,
+                "n": units.n,
+                "n_of": units.of,
+                **estimate.as_json(),
+            }
+            for name, (estimate, units) in self.values.items()
+        ]
+
+
+def group_metrics(
+    run: Path, cells: Sequence[Cell], measure: Callable[[Path, Cell], dict[str, float]] = metrics_of
+) -> list[GroupMetrics]:
+    """The metrics of each group of a run's finished cells whose human can be engaged.
+
+    Raises:
+        NotFoundError: there is no such cell.
+        RunError: a log is damaged.
+    """
+    social = [cell for cell in cells if cell.settings.plays.has(ENGAGEMENT)]
+    done = [cell for cell in social if read_cell(run / cell.path) is not None]
+    if not done:
+        what = "no finished cell" if social else "no training of the social module and no visit"
+        raise NotFoundError(f"{run}: has {what}, and metrics are of these")
+    return [_of_group(run, group, measure) for group in groups_of(done)]
+
+
+def _of_group(run: Path, group: Group, measure: Callable[[Path, Cell], dict[str, float]]) -> GroupMetrics:
+    of_units = [[measure(run, cell) for cell in members] for members in by_unit(group.cells).values()]
+    values = {}
+    for name in METRICS:
+        means = [np.nanmean(each) for unit in of_units if (each := _known(unit, name))]
+        if means:
+            cells = sum(len(_known(unit, name)) for unit in of_units)
+            values[name] = mean_of([float(mean) for mean in means]), Units(len(means), cells)
+    return GroupMetrics(group, values)
+
+
+def _known(cells: Sequence[dict[str, float]], name: str) -> list[float]:
+    return [cell[name] for cell in cells if not np.isnan(cell.get(name, float("nan")))]
