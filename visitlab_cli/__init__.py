@@ -6,7 +6,6 @@ compiled one is registered; the enums say what the numbers of actions, direction
 asks of an agent what agents promise. It is imported when it is asked for.
 """
 
-from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -37,6 +36,8 @@ __all__ = ["__version__", "load", *_EXPORTS]
 def __getattr__(name: str) -> Any:
     if name not in _EXPORTS:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from importlib import import_module
+
     return getattr(import_module(f"{__name__}.{_EXPORTS[name]}"), name)
 
 

@@ -6,7 +6,7 @@ from visitlab_cli.console.options import Json, Plugins
 HELP = Help(
     "Configure",
     place=4,
-    examples=("visitlab agents", "visitlab agents --plugin my_agent.py"),
+    examples=("visitlab agents", "visitlab agents --json"),
 )
 
 

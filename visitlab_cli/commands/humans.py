@@ -6,7 +6,7 @@ from visitlab_cli.console.options import Json, Plugins
 HELP = Help(
     "Configure",
     place=5,
-    examples=("visitlab humans", "visitlab humans --plugin my_human.py"),
+    examples=("visitlab humans", "visitlab humans --json"),
 )
 
 

@@ -14,7 +14,7 @@ HELP = Help(
     place=2,
     examples=(
         "visitlab plugin check q_learning alpha=0.1",
-        "visitlab plugin check my_agent --plugin my_agent.py",
+        "visitlab plugin check rmax",
     ),
 )
 

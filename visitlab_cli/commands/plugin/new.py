@@ -12,7 +12,7 @@ from visitlab_cli.terminal import tell, tell_json
 HELP = Help(
     "Configure",
     place=1,
-    examples=("visitlab plugin new my_agent", "visitlab plugin new my_agent --folder ~/agents"),
+    examples=("visitlab plugin new my_agent", "visitlab plugin new my_agent --folder agents"),
 )
 
 
