@@ -26,6 +26,7 @@ FLOORS = [
     {"execution"},
     {"results"},
     {"authoring", "door"},
+    {"running"},
     {"colours", "scene", "pictures"},
     {"affordances"},
     {"paper"},
