@@ -16,6 +16,7 @@ DECIDES_NOTHING = {
     "stopping.py",
     "terminal.py",
     "origin.py",
+    "plugins.py",
     "whole_file.py",
     "wording.py",
 }

@@ -15,7 +15,7 @@ from visitlab_cli import compiled, kernel_cache, sources
 from visitlab_cli.compiled import KERNEL_SOURCES
 
 PACKAGE = Path(visitlab_cli.__file__).parent
-NAMES_NUMBA = {"versions.py", "doctor.py", "stopping.py", "surroundings.py"}  # do not compile with it
+NAMES_NUMBA = {"versions.py", "doctor.py", "stopping.py", "surroundings.py", "warm_up.py"}  # do not compile with it
 PLAYER = Path(__file__).parents[1] / "world" / "package_log.py"
 
 EDITS = [

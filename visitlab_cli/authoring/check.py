@@ -14,11 +14,11 @@ import numpy as np
 import numpy.typing as npt
 
 from visitlab_cli.agents import plain
-from visitlab_cli.agents.base import AgentParameters, Player, Saved, Setting, choose, learn
+from visitlab_cli.agents.base import AgentParameters, Player, Saved, Setting
 from visitlab_cli.authoring.kinds import agent_of
-from visitlab_cli.compiled import kernel
 from visitlab_cli.errors import VisitlabError
 from visitlab_cli.random_numbers import RandomState, random_state
+from visitlab_cli.simulation.table import play_table
 from visitlab_cli.storage.arrays import read_model, write_model
 from visitlab_cli.world.lab import paper_lab
 from visitlab_cli.world.tasks import TASKS
@@ -119,7 +119,7 @@ def _play(record: Any, world: _World, steps: int, first: int = 1, state: int = 0
     draws = random_state(SEED, "check", "draws") if random is None else random.copy()
     actions = np.full(steps, -1)
     try:
-        state = _steps(record, state, first, world.next_states, world.rewards, draws, actions)
+        state = play_table(record, state, first, *world, TRIAL_STEPS, draws, actions)
     except RuntimeError as error:
         raise plain.failure_in(record, TRIAL_STEPS) or error from None
     if state < 0:
@@ -127,29 +127,6 @@ def _play(record: Any, world: _World, steps: int, first: int = 1, state: int = 0
         n_actions = world.rewards.shape[1]
         raise _FailedError(f"at step {first + wrong} it chose {actions[wrong]}; actions go from 0 to {n_actions - 1}")
     return _Played(record, actions, int(state), draws)
-
-
-@kernel
-def _steps(
-    agent: Any,
-    state: int,
-    first: int,
-    next_states: npt.NDArray[np.int64],
-    rewards: npt.NDArray[np.float64],
-    random: RandomState,
-    actions: npt.NDArray[np.int64],
-) -> int:
-    """Play on a table from `state`; the state in the end, -1 after an action that there is not."""
-    for index in range(len(actions)):
-        step = first + index
-        action, _ = choose(agent, state, step, random)
-        actions[index] = action
-        if action < 0 or action >= rewards.shape[1]:
-            return -1
-        next_state = next_states[state, action]
-        learn(agent, state, action, rewards[state, action], next_state, step % TRIAL_STEPS == 0, step, random)
-        state = next_state
-    return state
 
 
 def _legal(parameters: AgentParameters, setting: Setting, world: _World) -> str:

@@ -65,6 +65,7 @@ def check(plain: Plain, *, kept: bool = False) -> tuple[Config | None, list[Issu
 def _others(plain: Plain, *, kept: bool) -> tuple[Others, list[Issue]]:
     """The kinds of others that plain values name, and what is wrong with them."""
     found: dict[tuple[str, str], type[Kind]] = {}
+    errors: dict[tuple[str, str], PluginError] = {}
     issues = []
     for section, (built_in, base) in KINDS.items():
         entries = plain.get(section) if isinstance(plain, dict) else None
@@ -72,23 +73,28 @@ def _others(plain: Plain, *, kept: bool) -> tuple[Others, list[Issue]]:
             word = entry.get(KIND) if isinstance(entry, dict) else None
             if not isinstance(word, str) or word in built_in:
                 continue
-            try:
-                found[section, word] = find(section, word, base)
-            except PluginError as error:
-                if kept or not isinstance(error, NoSuchKindError):
-                    found[section, word] = absent(base, word, str(error))
-                if not kept and not isinstance(error, NoSuchKindError):
-                    issues.append(Issue((section, name, KIND), str(error)))
+            key = section, word
+            if key not in found and key not in errors:
+                try:
+                    found[key] = find(section, word, base)
+                except PluginError as error:
+                    errors[key] = error
+                    if kept or not isinstance(error, NoSuchKindError):
+                        found[key] = absent(base, word, str(error))
+            if not kept and key in errors and not isinstance(errors[key], NoSuchKindError):
+                issues.append(Issue((section, name, KIND), str(errors[key])))
     return tuple(
         (section, word, kind) for (section, word), kind in sorted(found.items(), key=lambda each: each[0])
     ), issues
 
 
-@cache
 def _model(others: Others) -> type[Config]:
     """The type of a config that may name these kinds of others, too."""
-    if not others:
-        return Config
+    return _wider(others) if others else Config
+
+
+@cache
+def _wider(others: Others) -> type[Config]:
     fields: dict[str, Any] = {}
     for section, (built_in, _) in KINDS.items():
         field = Config.model_fields[section]
@@ -122,19 +128,19 @@ def build(document: Node, problems: list[Problem], *, kept: bool = False) -> Con
     everything = [*problems, *(positioned(document, issue) for issue in issues)]
     everything += [positioned(whole, issue) for issue in found if issue.path[:2] not in broken]
     if not everything and config is not None:
-        everything = [positioned(whole, issue) for issue in _otherwise_read_back(config)]
+        everything = [positioned(whole, issue) for issue in _otherwise_read_back(config, kept=kept)]
     if everything or config is None:
         raise failure(everything)
     return config
 
 
-def _otherwise_read_back(config: Config) -> Iterator[Issue]:
+def _otherwise_read_back(config: Config, *, kept: bool) -> Iterator[Issue]:
     """What a run's folder would not keep as it is: a kind of agent may read its settings otherwise than it tells them.
 
     Such a run could be made, and would then be called edited.
     """
     plain = canonical(config)
-    again, issues = check(plain, kept=True)
+    again, issues = check(plain, kept=kept)
     if again is None:
         yield from (replace(issue, message=f"{NOT_KEPT}: {issue.message}") for issue in issues)
     else:

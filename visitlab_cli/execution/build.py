@@ -32,10 +32,12 @@ def build(cell: Cell, models: Mapping[str, Saved]) -> Simulation:
     settings, config = cell.settings, cell.config
     lab = lab_of(settings)
     tables = {}
-    for module in cell.settings.steering:
-        of_module = config.agents[settings.starts[module].agent]
-        tables[module] = np.ascontiguousarray(of_module.values(models[module]), np.float64)
-        shape, expected = tables[module].shape, tuple(TASKS[module].size(lab))
+    for module in cell.modules:
+        of_module, expected = config.agents[settings.starts[module].agent], tuple(TASKS[module].size(lab))
+        if module in settings.steering:
+            tables[module] = np.ascontiguousarray(of_module.values(models[module]), np.float64)
+        table = tables.get(module, models[module].get("q"))
+        shape = expected if table is None else table.shape
         if shape != expected:
             raise RunError(f"{cell.path}: the {module} model has a table of {shape}, not {expected}")
     human = config.humans[cell.human].create() if cell.human else None
