@@ -10,6 +10,8 @@ import yaml
 import visitlab_cli
 from tests.program import TINY, hashes, the_run
 from visitlab_cli.errors import ConfigError, RunError, UsageError
+from visitlab_cli.sources import CHECK_DIGITS, _checked, sources
+from visitlab_cli.storage.cell_folder import to_json
 
 SETTINGS = {
     "name": "py",
@@ -40,6 +42,16 @@ def test_it_goes_on_where_it_stopped(tmp_path):
     assert (again.path, len(again.cells)) == (first.path, 2)
     assert file.stat().st_mtime_ns == before
     assert json.loads(file.read_text())["seed"] == 0
+
+
+def test_going_on_with_other_code_is_told(tmp_path, capsys):
+    made = visitlab_cli.run(SETTINGS, tmp_path)
+    file = made.cells[0].folder / "cell.json"
+    theirs = _checked("0" * (len(sources()) - CHECK_DIGITS))
+    file.write_text(to_json(json.loads(file.read_text()) | {"sources": theirs}))
+    capsys.readouterr()
+    visitlab_cli.run(SETTINGS | {"seeds": 2}, tmp_path)
+    assert f"1 cell made by other code ({theirs}; this program is {sources()})" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

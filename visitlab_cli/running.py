@@ -7,16 +7,12 @@ from typing import Any
 
 from visitlab_cli.config.loading import load, load_text
 from visitlab_cli.config.model import Config
+from visitlab_cli.console.running import held_run, run_cells_of
 from visitlab_cli.door import LoadedRun
 from visitlab_cli.door import load as opened
 from visitlab_cli.errors import RunError, UsageError
 from visitlab_cli.execution.progress import Progress
-from visitlab_cli.execution.runner import missing_cells, run_cells
-from visitlab_cli.execution.versions import versions
-from visitlab_cli.execution.warm_up import warm_up
 from visitlab_cli.plan.cells import plan
-from visitlab_cli.storage.locks import being_written
-from visitlab_cli.storage.run_folder import mend_config, open_run, run_folder
 
 SOURCE = "the config"
 """What messages call a config that is in no file."""
@@ -48,13 +44,8 @@ def run(
         raise UsageError(f"workers={workers}: must be at least 1")
     settings = _settings(config)
     progress, folder = Progress(quiet=quiet), Path(out)
-    with being_written(run_folder(folder, settings), progress.warn):
-        if mended := mend_config(folder, settings):
-            progress.warn(mended)
-        place, settings = open_run(folder, settings, versions(settings.kinds))
-        cells = plan(settings)
-        warm_up([cell for cell in missing_cells(place, cells) if not cell.absent], progress.say)
-        failures = run_cells(place, cells, workers, progress)
+    with held_run(folder, settings, progress.warn) as (place, settings):
+        failures = run_cells_of(place, plan(settings), workers, progress)
     if failures:
         raise RunError(*(f"{path}: {line}" for path, line in failures.items()))
     return opened(place)

@@ -123,8 +123,8 @@ def _play(record: Any, world: _World, steps: int, first: int = 1, state: int = 0
     except RuntimeError as error:
         raise plain.failure_in(record, TRIAL_STEPS) or error from None
     if state < 0:
-        wrong = int(np.argmin(actions != -1)) - 1 if (actions == -1).any() else len(actions) - 1
         n_actions = world.rewards.shape[1]
+        wrong = int(np.argmax((actions < 0) | (actions >= n_actions)))  # what follows was never chosen
         raise _FailedError(f"at step {first + wrong} it chose {actions[wrong]}; actions go from 0 to {n_actions - 1}")
     return _Played(record, actions, int(state), draws)
 

@@ -77,10 +77,7 @@ class Training(Experiment):
     agents: Names = Field(description="the agents that are trained, each on its own")
     trial_steps: int = Field(default=TRAINING_TRIAL_STEPS, ge=1, le=10**6, description="steps in a trial")
     steps: int = Field(
-        default=TRAINING_STEPS,
-        ge=1,
-        le=MOST_STEPS,
-        description="steps of training; a whole number of trials",
+        default=TRAINING_STEPS, ge=1, le=MOST_STEPS, description="steps of training; a whole number of trials"
     )
 
     @field_validator("steps")

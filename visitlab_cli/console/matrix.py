@@ -59,13 +59,13 @@ def play_matrix(run: Path, planned: "Planned", picture: Path | None, how: How) -
     from visitlab_cli.results.matrix import matrix_of
     from visitlab_cli.storage.inside import check_inside
 
+    if picture is None:
+        check_inside(run, run / PICTURE)
     target = picture or run / PICTURE
     check_ours(target)
     failures = run_missing(run, [cell for each in planned.values() for cell in each], how)
     if failures is None:
         return
-    if picture is None:
-        check_inside(run, run / PICTURE)
     matrix = matrix_of(run, planned)
     if how.as_json:
         tell_json({"run": str(run), **matrix.as_json(), "picture": str(target)})

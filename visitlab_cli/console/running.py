@@ -2,7 +2,8 @@
 
 import os
 import shutil
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -38,11 +39,10 @@ def run_config(out: Path, config: "Config", cells_of: "Callable[[Config], list[C
         RunError: as `run_and_tell`, or the folder can't be written.
         ConfigError: an expected value can never be checked.
     """
-    from visitlab_cli.execution.versions import versions
     from visitlab_cli.plan.cells import plan
     from visitlab_cli.results.expected import check_expected
     from visitlab_cli.storage.nearest import news_of
-    from visitlab_cli.storage.run_folder import mend_config, open_run, run_folder, run_name
+    from visitlab_cli.storage.run_folder import run_name
 
     check_expected(config, plan(config))
     if not how.quiet and (news := news_of(out, config)):
@@ -51,13 +51,25 @@ def run_config(out: Path, config: "Config", cells_of: "Callable[[Config], list[C
         folder = out / run_name(config)
         run_and_tell(folder, config, cells_of(config), how)
         return
-    from visitlab_cli.storage.locks import being_written
-
-    with being_written(run_folder(out, config), lambda line: tell(line, err=True)):
-        if mended := mend_config(out, config):
-            tell(mended, err=True)
-        folder, config = open_run(out, config, versions(config.kinds))
+    with held_run(out, config, lambda line: tell(line, err=True)) as (folder, config):
         run_and_tell(folder, config, cells_of(config), how)
+
+
+@contextmanager
+def held_run(out: Path, config: "Config", say: "Callable[[str], None]") -> "Iterator[tuple[Path, Config]]":
+    """The folder of a config's run below `out`, made or mended and held while it is written, and what it stands for.
+
+    Raises:
+        RunError: it can't be written, or is being removed.
+    """
+    from visitlab_cli.execution.versions import versions
+    from visitlab_cli.storage.locks import being_written
+    from visitlab_cli.storage.run_folder import mend_config, open_run, run_folder
+
+    with being_written(run_folder(out, config), say):
+        if mended := mend_config(out, config):
+            say(mended)
+        yield open_run(out, config, versions(config.kinds))
 
 
 def run_and_tell(run: Path, config: "Config", cells: "Sequence[Cell]", how: How) -> None:
@@ -102,10 +114,11 @@ def run_missing(run: Path, cells: "Sequence[Cell]", how: How) -> "Failures | Non
     from visitlab_cli.storage.locks import being_written
 
     with being_written(run):
-        return _run_missing(run, cells, workers, Progress(how.quiet, how.verbose))
+        return run_cells_of(run, cells, workers, Progress(how.quiet, how.verbose))
 
 
-def _run_missing(run: Path, cells: "Sequence[Cell]", workers: int, progress: "Progress") -> "Failures":
+def run_cells_of(run: Path, cells: "Sequence[Cell]", workers: int, progress: "Progress") -> "Failures":
+    """Run the missing ones of some cells of a run, which is held; `progress` is told what a user should know."""
     from visitlab_cli.console.dry_run import duration
     from visitlab_cli.console.words import size_in_words
     from visitlab_cli.execution.runner import missing_cells, run_cells
