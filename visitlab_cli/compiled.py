@@ -88,9 +88,18 @@ def records_in(given: Any) -> Iterator[type]:
 
 def kernel(function: Function) -> Function:
     """Compile `function` on its first call, release the GIL in it, and keep its machine code in our cache."""
+    return _kernel(function, forceinline=True)  # else records are copied at each call
+
+
+def long_kernel(function: Function) -> Function:
+    """A kernel that runs long at a call, and stays a function of its own: among a loop's own code it is slower."""
+    return _kernel(function, forceinline=False)
+
+
+def _kernel(function: Function, forceinline: bool) -> Function:
     is_others(function.__code__.co_filename)
     compiler: Any = numba.njit
-    dispatcher = compiler(nogil=True, forceinline=True)(function)  # else records are copied at each call
+    dispatcher = compiler(nogil=True, forceinline=forceinline)(function)
     if not JIT_DISABLED:
         dispatcher._cache = CacheByCode(function, lambda given: place_of(records_in(given), function).folder)
     return cast(Function, dispatcher)

@@ -16,7 +16,7 @@ import numpy.typing as npt
 from visitlab_cli.agents.base import Saved, Setting
 from visitlab_cli.agents.declared import Declared, counts, floats
 from visitlab_cli.agents.exploration import Table, maximum
-from visitlab_cli.compiled import kernel
+from visitlab_cli.compiled import kernel, long_kernel
 
 Ints = npt.NDArray[np.int64]
 Counts = npt.NDArray[np.int32]
@@ -83,7 +83,7 @@ def count(model: SparseModel, pair: int, reward: float, next_state: int) -> None
     model.length[pair] = length + 1
 
 
-@kernel
+@long_kernel
 def sweep(model: SparseModel, q: Table, values: Table, gamma: float, known: int, fill_unvisited: bool) -> None:
     """One synchronous sweep over all pairs visited at least `known` times, changing `q`, shape (states, actions).
 
