@@ -42,6 +42,7 @@ benchmark: $(READY)
 	$(BIN)/python -m benchmarks.recording
 	$(BIN)/python -m benchmarks.reading
 	$(BIN)/python -m benchmarks.program
+	$(BIN)/python -m benchmarks.plugins
 
 $(READY): pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)
