@@ -42,11 +42,6 @@ class Scene:
         return _like(self.around(row, col, reach), colour).mean()
 
 
-def shows_a_goal_room(picture):
-    """Whether the scene is there at all."""
-    return _like(np.asarray(Image.open(picture).convert("RGB")).astype(int), GOAL_FLOOR).mean() > 0.02
-
-
 def _like(pixels, colour):
     return (abs(pixels - np.array(colour)) <= LIKE).all(axis=-1)
 

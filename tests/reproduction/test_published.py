@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 from tests.program import visitlab
+from visitlab_cli.paper.published.curves import published_curves
 from visitlab_cli.storage.arrays import read_trials
 
 pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).parents[2]
-PUBLISHED = ROOT / "visitlab_cli" / "analysis" / "published"
 
 # group, what independent simulations reach (TASK.md), tolerance, published curve, its condition
 CURVES = [
@@ -47,9 +47,8 @@ def rewards(run, group, cells="seed-*"):
 
 def published(figure, condition):
     """The curve's steps and means."""
-    table = np.genfromtxt(PUBLISHED / f"{figure}.csv", delimiter=",", names=True, dtype=None, encoding="utf-8")
-    rows = table[table["condition"] == condition]
-    return rows["step"], rows["mean"]
+    (curve,) = (each for each in published_curves() if (each.figure, each.condition) == (figure, condition))
+    return curve.x, curve.mean
 
 
 @pytest.fixture(scope="module")
