@@ -7,6 +7,7 @@ import importlib
 import pkgutil
 from collections.abc import Iterator, Mapping
 from functools import cache
+from inspect import isabstract
 from types import ModuleType
 from typing import Annotated, Any, ClassVar, Literal, TypeVar, Union, get_args
 
@@ -47,9 +48,11 @@ def words_of(kind: type[BaseModel]) -> tuple[str, ...]:
 
 
 def kinds_in(module: ModuleType, base: type[Base]) -> Iterator[tuple[str, type[Base]]]:
-    """The kinds that a module defines, subclasses of `base`, by their words."""
+    """The kinds that a module defines, subclasses of `base`, by their words; what is abstract is what some share."""
     for value in vars(module).values():
-        if isinstance(value, type) and issubclass(value, base) and value.__module__ == module.__name__:
+        if not isinstance(value, type) or not issubclass(value, base) or isabstract(value):
+            continue
+        if value.__module__ == module.__name__:
             is_others(str(module.__file__))
             yield from ((word, value) for word in words_of(value))
 

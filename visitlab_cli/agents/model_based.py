@@ -12,21 +12,17 @@ from visitlab_cli.agents.base import (
     GAMMA,
     LEARN,
     PLAN_EVERY,
-    AgentParameters,
     Saved,
     Setting,
     zeros,
 )
-from visitlab_cli.agents.declared import Declared, fault_in_model, floats
 from visitlab_cli.agents.exploration import Table, epsilon_greedy
+from visitlab_cli.agents.one_model import OneModelParameters
 from visitlab_cli.agents.sparse_model import (
     SparseModel,
     count,
-    declared_model,
     empty_model,
-    model_arrays,
     restored_model,
-    saved_model,
     sweep,
 )
 from visitlab_cli.random_numbers import RandomState
@@ -45,10 +41,9 @@ class ModelBased(NamedTuple):
     fill_unvisited: bool
 
 
-class ModelBasedParameters(AgentParameters):
+class ModelBasedParameters(OneModelParameters):
     """Epsilon-greedy value iteration (paper, section 4.2)."""
 
-    plans: ClassVar[bool] = True
     microseconds_a_step: ClassVar[Mapping[str, float]] = {NAVIGATION: 2.5, GO_TO_HUMAN: 1.3, SOCIAL: 5.3, VISIT: 22.0}
     kind: Literal["model_based"]
     gamma: float = GAMMA
@@ -71,26 +66,6 @@ class ModelBasedParameters(AgentParameters):
         gamma, epsilon = float(self.gamma), float(self.epsilon)
         fill = self.unvisited == "uniform"
         return ModelBased(q, np.zeros(len(q)), model, gamma, epsilon, self.plan_every, fill)
-
-    def forget_rewards(self, record: ModelBased) -> None:
-        """The R that sweeps use is 0 until a pair is next tried."""
-        record.model.mean_rewards[:] = 0.0
-
-    def save(self, record: ModelBased) -> Saved:
-        """Q and the learned model."""
-        return {"q": record.q, **saved_model(record.model, record.q.shape[1])}
-
-    def models(self, saved: Saved) -> dict[str, Saved]:
-        """The one that it sweeps."""
-        return {"model": model_arrays(saved)}
-
-    def arrays(self, setting: Setting) -> dict[str, Declared]:
-        """The table and the learned model."""
-        return {"q": floats(setting.n_states, setting.n_actions), **declared_model(setting)}
-
-    def fault(self, setting: Setting, saved: Saved) -> str | None:
-        """Whether the model is one."""
-        return fault_in_model(model_arrays(saved))
 
 
 @CHOOSE.of(ModelBased)

@@ -6,17 +6,14 @@ from typing import ClassVar, Literal, NamedTuple
 import numpy as np
 from pydantic import Field
 
-from visitlab_cli.agents.base import CHOOSE, GAMMA, LEARN, PLAN_EVERY, AgentParameters, Saved, Setting
-from visitlab_cli.agents.declared import Declared, fault_in_model, floats
+from visitlab_cli.agents.base import CHOOSE, GAMMA, LEARN, PLAN_EVERY, Saved, Setting
 from visitlab_cli.agents.exploration import Table, greedy
+from visitlab_cli.agents.one_model import OneModelParameters
 from visitlab_cli.agents.sparse_model import (
     SparseModel,
     count,
-    declared_model,
     empty_model,
-    model_arrays,
     restored_model,
-    saved_model,
     sweep,
 )
 from visitlab_cli.random_numbers import RandomState
@@ -36,10 +33,9 @@ class RMax(NamedTuple):
     plan_every: int
 
 
-class RMaxParameters(AgentParameters):
+class RMaxParameters(OneModelParameters):
     """R-max (paper, section 4.2)."""
 
-    plans: ClassVar[bool] = True
     microseconds_a_step: ClassVar[Mapping[str, float]] = {NAVIGATION: 2.8, GO_TO_HUMAN: 1.3, SOCIAL: 5.2, VISIT: 20.0}
     kind: Literal["rmax"]
     gamma: float = GAMMA
@@ -64,26 +60,6 @@ class RMaxParameters(AgentParameters):
     def _record(self, setting: Setting, q: Table, model: SparseModel) -> RMax:
         m = self.m or (M_IN_NAVIGATION if setting.task == "navigation" else M_ELSEWHERE)
         return RMax(q, np.zeros(len(q)), model, float(self.gamma), m, self.plan_every)
-
-    def forget_rewards(self, record: RMax) -> None:
-        """The R that sweeps use is 0 until a pair is next tried."""
-        record.model.mean_rewards[:] = 0.0
-
-    def save(self, record: RMax) -> Saved:
-        """Q and the learned model."""
-        return {"q": record.q, **saved_model(record.model, record.q.shape[1])}
-
-    def models(self, saved: Saved) -> dict[str, Saved]:
-        """The one that it sweeps."""
-        return {"model": model_arrays(saved)}
-
-    def arrays(self, setting: Setting) -> dict[str, Declared]:
-        """The table and the learned model."""
-        return {"q": floats(setting.n_states, setting.n_actions), **declared_model(setting)}
-
-    def fault(self, setting: Setting, saved: Saved) -> str | None:
-        """Whether the model is one."""
-        return fault_in_model(model_arrays(saved))
 
 
 @CHOOSE.of(RMax)

@@ -1,0 +1,38 @@
+"""What the planners with one learned model of the world share: what they save, and what can be wrong with it."""
+
+from abc import abstractmethod
+from typing import Any, ClassVar
+
+from visitlab_cli.agents.base import AgentParameters, Saved, Setting
+from visitlab_cli.agents.declared import Declared, fault_in_model, floats
+from visitlab_cli.agents.sparse_model import declared_model, model_arrays, saved_model
+
+
+class OneModelParameters(AgentParameters):
+    """Its records have a table `q`, shape (states, actions), and a `model`, a `SparseModel`."""
+
+    plans: ClassVar[bool] = True
+
+    @abstractmethod
+    def create(self, setting: Setting) -> Any:
+        """A new agent's record, as each kind has it."""
+
+    def forget_rewards(self, record: Any) -> None:
+        """The R that sweeps use is 0 until a pair is next tried."""
+        record.model.mean_rewards[:] = 0.0
+
+    def save(self, record: Any) -> Saved:
+        """Q and the learned model."""
+        return {"q": record.q, **saved_model(record.model, record.q.shape[1])}
+
+    def models(self, saved: Saved) -> dict[str, Saved]:
+        """The one that it sweeps."""
+        return {"model": model_arrays(saved)}
+
+    def arrays(self, setting: Setting) -> dict[str, Declared]:
+        """The table and the learned model."""
+        return {"q": floats(setting.n_states, setting.n_actions), **declared_model(setting)}
+
+    def fault(self, setting: Setting, saved: Saved) -> str | None:
+        """Whether the model is one."""
+        return fault_in_model(model_arrays(saved))
