@@ -7,7 +7,7 @@ import pytest
 
 from tests.oracle.tally import z_score
 from tests.world.package_log import HUMAN, package_log
-from visitlab_cli.affordances.counts import KINDS, Kind, count_levels, kind_of, learned_counts, parts_of
+from visitlab_cli.affordances.counts import KINDS, Kind, count_levels, kind_of, learned_counts
 from visitlab_cli.affordances.learned import affordances, graph
 from visitlab_cli.affordances.plain import ARROWS, as_json, weight
 from visitlab_cli.affordances.policy import UNSEEN, policy_map
@@ -21,7 +21,7 @@ from visitlab_cli.storage.arrays import read_model
 from visitlab_cli.storage.run_folder import read_config
 from visitlab_cli.world.enums import Action, InteractionLevel
 from visitlab_cli.world.scene import NOWHERE
-from visitlab_cli.world.social import social_state
+from visitlab_cli.world.social import parts_of, social_state
 
 STEPS = 120_000
 SURPRISE = 4.5

@@ -49,10 +49,16 @@ FIRST: dict[str, dict[str, Any]] = {
 }  # fmt: skip
 """The fields of version 0.1.0 and their defaults: nothing comes to these, goes, or changes. They are in every hash."""
 
-LATER: dict[str, dict[str, tuple[str, Any]]] = {}
+SYMMETRIC = {"symmetric": ("0.2.0", False)}
+LATER: dict[str, dict[str, tuple[str, Any]]] = {
+    "QLearningParameters": SYMMETRIC,
+    "ModelBasedParameters": SYMMETRIC,
+    "RMaxParameters": SYMMETRIC,
+}
 """The version that a field came with, and its default, by the model: what comes to a model of `FIRST` is told here."""
 
 HASHES = {
+    "beyond/symmetry": "45768628",
     "generalisation": "0a09fb53", "my-human": "3ed1abad", "paper": "c7c38838", "quickstart": "621f9df4",
     "paper/fig6_bootstrap": "824627de", "paper/fig6_go_to_human": "e03a6c1e", "paper/fig6_navigation": "fdd34bd0",
     "paper/fig6_social": "824627de", "paper/fig7": "35c89a7c", "paper/fig8_adaptation": "c161c773",

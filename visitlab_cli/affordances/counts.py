@@ -6,7 +6,7 @@ within 45 degrees; away from it, within 45 degrees of straight away; sideways), 
 
 from collections.abc import Mapping
 from enum import StrEnum
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -19,8 +19,7 @@ from visitlab_cli.world.enums import (
     N_SOCIAL_ACTIONS,
     Action,
 )
-
-Ints = npt.NDArray[np.int64]
+from visitlab_cli.world.social import Ints, parts_of
 
 
 class Kind(StrEnum):
@@ -40,23 +39,6 @@ class Kind(StrEnum):
 KINDS = tuple(Kind)
 KIND_OF_TURN = (0, 0, 1, 2, 2, 2, 1, 0)
 """Index of a move's kind by the eighths of a circle from the direction to the human to its own."""
-
-
-class SocialStates(NamedTuple):
-    """The parts of social state numbers, arrays of the same shape (TASK.md: level + 8 (distance + 5 (...)))."""
-
-    level: Ints
-    distance: Ints
-    desired_direction: Ints
-    angle: Ints
-
-
-def parts_of(states: npt.ArrayLike) -> SocialStates:
-    """The parts of social states, the inverse of `world.social.social_state`."""
-    rest, level = np.divmod(np.asarray(states, np.int64), N_LEVELS)
-    rest, distance = np.divmod(rest, N_DISTANCES)
-    angle, desired = np.divmod(rest, N_DIRECTIONS)
-    return SocialStates(level, distance, desired, angle)
 
 
 def kind_of(actions: npt.ArrayLike, angle: npt.ArrayLike) -> Ints:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from visitlab_cli.affordances.counts import Ints, learned_counts
+from visitlab_cli.affordances.counts import learned_counts
 from visitlab_cli.affordances.policy import PolicyMap, policy_map
 from visitlab_cli.affordances.truth import FIRST_ENGAGED, Truth, true_transitions
 from visitlab_cli.errors import NotFoundError, RunError
@@ -15,6 +15,7 @@ from visitlab_cli.plan.cells import Cell
 from visitlab_cli.plan.saved import models_of, values_of
 from visitlab_cli.plan.selection import Selection
 from visitlab_cli.storage.cell_folder import read_cell
+from visitlab_cli.world.social import Ints
 from visitlab_cli.world.tasks import SOCIAL
 
 Table = npt.NDArray[np.float64]

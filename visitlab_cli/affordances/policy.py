@@ -9,8 +9,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from visitlab_cli.affordances.counts import Ints, parts_of
 from visitlab_cli.world.enums import N_DIRECTIONS, N_DISTANCES, N_LEVELS, N_MOVES, N_SOCIAL_ACTIONS
+from visitlab_cli.world.social import Ints, parts_of
 
 UNSEEN = -1
 

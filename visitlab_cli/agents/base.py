@@ -46,6 +46,19 @@ class AgentParameters(Kind):
     that refers to no other)."""
 
     @property
+    def playable(self) -> tuple[str, ...]:
+        """The tasks that it can play as it is set."""
+        return self.tasks
+
+    def goes_on_from(self, other: "AgentParameters") -> str | None:
+        """Why it can't go on from what another of its kind has learned; None where it can."""
+        return None
+
+    def unfit(self, field: str, other: "AgentParameters") -> str | None:
+        """Why `other`, of a kind that the reference `field` may have, can't be what it names; None where it can."""
+        return None
+
+    @property
     def watched_steps(self) -> int:
         """The steps at its beginning in which it watches another agent and does not act itself."""
         return 0

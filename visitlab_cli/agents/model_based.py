@@ -1,10 +1,10 @@
 """Epsilon-greedy value iteration, the paper's model-based agent: a learned model, swept every `plan_every` steps."""
 
 from collections.abc import Mapping
-from typing import ClassVar, Literal, NamedTuple
+from typing import ClassVar, Literal, NamedTuple, Self
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from visitlab_cli.agents.base import (
     CHOOSE,
@@ -54,11 +54,17 @@ class ModelBasedParameters(OneModelParameters):
         description="the model of a pair never tried: no reward and any state next, or a value of zero",
     )
 
-    def create(self, setting: Setting) -> ModelBased:
+    @model_validator(mode="after")
+    def _symmetric_zero(self) -> Self:
+        if self.symmetric and self.unvisited == "uniform":
+            raise ValueError("symmetric goes with unvisited: zero only; uniform is over states of which it has no rows")
+        return self
+
+    def _create(self, setting: Setting) -> ModelBased:
         """Q of zeros and an empty model."""
         return self._record(zeros(setting), empty_model(setting))
 
-    def restore(self, setting: Setting, saved: Saved) -> ModelBased:
+    def _restore(self, setting: Setting, saved: Saved) -> ModelBased:
         """Go on with a saved model."""
         return self._record(saved["q"].copy(), restored_model(setting, saved))
 

@@ -38,6 +38,10 @@ class ObserverParameters(AgentParameters):
     until: int = Field(ge=0, le=10**12, description="steps that it watches; they count as steps of the experiment")
     acts_as: str = Field(description="the q_learning agent whose parameters it acts and learns with alone")
 
+    def unfit(self, field: str, other: AgentParameters) -> str | None:
+        """Its own table is of all states, as the watched agent meets them."""
+        return "must not be symmetric" if field != "watches" and getattr(other, "symmetric", False) else None
+
     @property
     def watched_steps(self) -> int:
         """As declared."""
@@ -56,7 +60,8 @@ class ObserverParameters(AgentParameters):
 
     def restore(self, setting: Setting, saved: Saved) -> QLearning:
         """Alone with its table: there is nobody left to watch."""
-        return self._q_learners(setting)[1].restore(setting, saved)
+        record: QLearning = self._q_learners(setting)[1].restore(setting, saved)
+        return record
 
     def _q_learners(self, setting: Setting) -> tuple[QLearningParameters, QLearningParameters]:
         learner, acting = setting.agents[self.learner], setting.agents[self.acts_as]

@@ -1,27 +1,23 @@
 """What the planners with one learned model of the world share: what they save, and what can be wrong with it."""
 
-from abc import abstractmethod
 from typing import Any, ClassVar
 
-from visitlab_cli.agents.base import AgentParameters, Saved, Setting
+from visitlab_cli.agents.base import Saved, Setting
 from visitlab_cli.agents.declared import Declared, fault_in_model, floats
 from visitlab_cli.agents.sparse_model import declared_model, model_arrays, saved_model
+from visitlab_cli.agents.tabular import TabularParameters
 
 
-class OneModelParameters(AgentParameters):
+class OneModelParameters(TabularParameters):
     """Its records have a table `q`, shape (states, actions), and a `model`, a `SparseModel`."""
 
     plans: ClassVar[bool] = True
 
-    @abstractmethod
-    def create(self, setting: Setting) -> Any:
-        """A new agent's record, as each kind has it."""
-
-    def forget_rewards(self, record: Any) -> None:
+    def _forget_rewards(self, record: Any) -> None:
         """The R that sweeps use is 0 until a pair is next tried."""
         record.model.mean_rewards[:] = 0.0
 
-    def save(self, record: Any) -> Saved:
+    def _save(self, record: Any) -> Saved:
         """Q and the learned model."""
         return {"q": record.q, **saved_model(record.model, record.q.shape[1])}
 
@@ -33,6 +29,6 @@ class OneModelParameters(AgentParameters):
         """The table and the learned model."""
         return {"q": floats(setting.n_states, setting.n_actions), **declared_model(setting)}
 
-    def fault(self, setting: Setting, saved: Saved) -> str | None:
+    def _fault(self, saved: Saved) -> str | None:
         """Whether the model is one."""
         return fault_in_model(model_arrays(saved))

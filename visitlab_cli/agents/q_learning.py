@@ -6,10 +6,11 @@ from typing import ClassVar, Literal, NamedTuple
 import numpy as np
 from pydantic import Field
 
-from visitlab_cli.agents.base import CHOOSE, EPSILON, GAMMA, LEARN, AgentParameters, Saved, Setting, zeros
+from visitlab_cli.agents.base import CHOOSE, EPSILON, GAMMA, LEARN, Saved, Setting, zeros
 from visitlab_cli.agents.declared import Declared, counts, floats
 from visitlab_cli.agents.exploration import Table, epsilon_greedy, maximum
 from visitlab_cli.agents.sparse_model import Counts
+from visitlab_cli.agents.tabular import TabularParameters
 from visitlab_cli.random_numbers import RandomState
 from visitlab_cli.world.tasks import GO_TO_HUMAN, NAVIGATION, SOCIAL, VISIT
 
@@ -24,7 +25,7 @@ class QLearning(NamedTuple):
     alpha: float
 
 
-class QLearningParameters(AgentParameters):
+class QLearningParameters(TabularParameters):
     """Tabular Q-learning (paper, section 4.2)."""
 
     microseconds_a_step: ClassVar[Mapping[str, float]] = {NAVIGATION: 1.1, GO_TO_HUMAN: 0.9, SOCIAL: 1.7, VISIT: 2.9}
@@ -33,11 +34,11 @@ class QLearningParameters(AgentParameters):
     epsilon: float = EPSILON
     alpha: float = Field(default=0.5, gt=0, le=1, description="learning rate")
 
-    def create(self, setting: Setting) -> QLearning:
+    def _create(self, setting: Setting) -> QLearning:
         """A table of zeros."""
         return self.with_table(zeros(setting), np.zeros((setting.n_states, setting.n_actions), np.int32))
 
-    def restore(self, setting: Setting, saved: Saved) -> QLearning:
+    def _restore(self, setting: Setting, saved: Saved) -> QLearning:
         """Go on with a saved table."""
         return self.with_table(saved["q"].copy(), saved["visits"].copy())
 
@@ -45,7 +46,7 @@ class QLearningParameters(AgentParameters):
         """These parameters acting on a given table, which is shared, not copied."""
         return QLearning(q, visits, float(self.gamma), float(self.epsilon), float(self.alpha))
 
-    def save(self, record: QLearning) -> Saved:
+    def _save(self, record: QLearning) -> Saved:
         """The table and how often each pair was updated."""
         return {"q": record.q, "visits": record.visits}
 

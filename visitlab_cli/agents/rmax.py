@@ -48,12 +48,12 @@ class RMaxParameters(OneModelParameters):
     )
     plan_every: int = PLAN_EVERY
 
-    def create(self, setting: Setting) -> RMax:
+    def _create(self, setting: Setting) -> RMax:
         """Q of r_max / (1 - gamma) and an empty model."""
         optimistic = np.full((setting.n_states, setting.n_actions), self.r_max / (1 - self.gamma))
         return self._record(setting, optimistic, empty_model(setting))
 
-    def restore(self, setting: Setting, saved: Saved) -> RMax:
+    def _restore(self, setting: Setting, saved: Saved) -> RMax:
         """Go on with a saved model."""
         return self._record(setting, saved["q"].copy(), restored_model(setting, saved))
 

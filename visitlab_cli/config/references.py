@@ -74,6 +74,8 @@ def _agent(path: Path, agent: AgentParameters, declared: Declared) -> Iterator[I
         elif other is not None and not kinds and other.references:
             message = f"{name} refers to other agents itself; name one that does not"
             yield Issue((*path, key), message)
+        elif other is not None and (why := agent.unfit(field, other)):
+            yield Issue((*path, key), f"{name} {why}")
 
 
 def _kind(agent: AgentParameters) -> str:
@@ -96,9 +98,9 @@ def _can_play(name: str, task: str, declared: Declared) -> Iterator[str]:
         other = declared.agents.get(getattr(agent, field))
         together += [(getattr(agent, field), other)] if other is not None else []
     for who, player in together:
-        if task not in player.tasks:
+        if task not in player.playable:
             through = "" if who == name else f", which {name} refers to,"
-            yield f"{who}{through} cannot play {task}; it plays {', '.join(player.tasks)}"
+            yield f"{who}{through} cannot play {task}; it plays {', '.join(player.playable)}"
 
 
 def _visit(path: Path, visit: Visit, declared: Declared) -> Iterator[Issue]:
@@ -148,8 +150,12 @@ def _start(name: str, training: SocialTraining, text: str, declared: Declared) -
     start = declared.agents.get(agent)
     for player in training.agents:
         own = declared.agents.get(player)
-        if own is not None and start is not None and _kind(own) != _kind(start):
+        if own is None or start is None:
+            continue
+        if _kind(own) != _kind(start):
             yield f"{agent} is of kind {_kind(start)}; {player}, of kind {_kind(own)}, can't go on from it"
+        elif why := own.goes_on_from(start):
+            yield f"{player} can't go on from {agent}: {why}"
 
 
 def _circle(name: str, experiments: Mapping[str, Any]) -> list[str]:

@@ -3,6 +3,9 @@
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
+import numpy as np
+import numpy.typing as npt
+
 from visitlab_cli.compiled import kernel
 from visitlab_cli.random_numbers import RandomState, happens
 from visitlab_cli.world.enums import (
@@ -31,6 +34,8 @@ ARENA = 120
 DIRECTION_CHANGE = 0.2
 VISION_SPEED = 2
 
+Ints = npt.NDArray[np.int64]
+
 
 class Social(NamedTuple):
     """A square arena, a human, and the probability `direction_change` of a new desired direction a step."""
@@ -52,6 +57,23 @@ def make_social(
     """The task in an arena of `arena` x `arena` cells, so wide that the human does not reach its borders."""
     lab, geometry = make_lab(arena, arena), make_geometry(arena, arena, distances)
     return Social(lab, geometry, human, trial_steps, direction_change)
+
+
+class SocialStates(NamedTuple):
+    """The parts of social state numbers, arrays of the same shape."""
+
+    level: Ints
+    distance: Ints
+    desired_direction: Ints
+    angle: Ints
+
+
+def parts_of(states: npt.ArrayLike) -> SocialStates:
+    """The parts of social states, the inverse of `social_state`."""
+    rest, level = np.divmod(np.asarray(states, np.int64), N_LEVELS)
+    rest, distance = np.divmod(rest, N_DISTANCES)
+    angle, desired = np.divmod(rest, N_DIRECTIONS)
+    return SocialStates(level, distance, desired, angle)
 
 
 @kernel
