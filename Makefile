@@ -14,7 +14,7 @@ test: $(READY)
 	$(BIN)/python -m pytest -n 2 -rs
 
 test-slow: $(READY)
-	$(BIN)/python -m pytest -m slow
+	VISITLAB_TESTS_WITHOUT_FORKS=1 $(BIN)/python -m pytest -m slow
 
 # The lowest versions that pyproject.toml declares, in an environment of their own: by hand, before a release.
 test-lowest:
@@ -22,7 +22,7 @@ test-lowest:
 	$(PYTHON) -m venv $(LOWEST)
 	$(PYTHON) tests/lowest.py > $(LOWEST)/lowest.txt
 	$(LOWEST)/bin/python -m pip install --quiet --constraint $(LOWEST)/lowest.txt --editable '.[dev]'
-	$(LOWEST)/bin/python -m pytest -n 2
+	VISITLAB_TESTS_WITHOUT_FORKS=1 $(LOWEST)/bin/python -m pytest -n 2
 
 # What goes wrong around a run, done for real; FAULTS='killed --seed 7' chooses.
 faults: $(READY)

@@ -7,16 +7,31 @@ import subprocess
 import sys
 from pathlib import Path
 
+from tests.forked import can_fork, run_forked
 from visitlab_cli.sources import PACKAGE
 
 TINY = Path(__file__).with_name("tiny.yaml")
+NO_FORKS = "VISITLAB_TESTS_WITHOUT_FORKS"
+"""Set, every call is a process of its own."""
 COMMAND = [sys.executable, "-m", "visitlab_cli"]
 
 
 def visitlab(*arguments, cwd=None, env=None, **options):
-    """Run the program to its end; the result has `returncode`, `stdout` and `stderr` as text."""
-    command = [*COMMAND, *map(str, arguments)]
+    """Run the program to its end; the result has `returncode`, `stdout` and `stderr` as text.
+
+    It has made its imports already, if the call is the same then; see `tests.forked`.
+    """
+    words = [*map(str, arguments)]
     environment = os.environ | {"NO_COLOR": "1", "COLUMNS": "200"} | (env or {})
+    if not options and not os.environ.get(NO_FORKS) and can_fork(environment):
+        return run_forked(words, cwd, environment)
+    return new_process(*arguments, cwd=cwd, env=env, **options)
+
+
+def new_process(*arguments, cwd=None, env=None, **options):
+    """As `visitlab`, and always a process of its own, as a user's is."""
+    environment = os.environ | {"NO_COLOR": "1", "COLUMNS": "200"} | (env or {})
+    command = [*COMMAND, *map(str, arguments)]
     return subprocess.run(
         command, cwd=cwd, env=environment, capture_output=True, text=True, check=False, timeout=1800, **options
     )
@@ -40,14 +55,14 @@ class Clone:
 
     def __init__(self, folder, files):
         self.folder, self.package = folder, folder / "clone" / "visitlab_cli"
-        shutil.copytree(PACKAGE, self.package, ignore=shutil.ignore_patterns("__pycache__"))
+        shutil.copytree(PACKAGE, self.package)  # with what Python has compiled, which is as old as the copies are
         self.surroundings = {"NUMBA_DISABLE_JIT": "1", "PYTHONPATH": str(self.package.parent)}
         for path, text in files.items():
             (self.package / path).write_text(text)
 
     def __call__(self, *arguments, **environment):
         """Run it to its end, as `visitlab`."""
-        return visitlab(*arguments, cwd=self.folder, env=self.surroundings | environment)
+        return new_process(*arguments, cwd=self.folder, env=self.surroundings | environment)
 
     def python(self, code):
         """What a script says that imports it."""

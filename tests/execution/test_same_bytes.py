@@ -6,7 +6,7 @@ import time
 
 import pytest
 
-from tests.program import TINY, hashes, only_cells, start, the_run, visitlab
+from tests.program import TINY, hashes, new_process, only_cells, start, the_run, visitlab
 
 LONG = """
 name: long
@@ -21,13 +21,13 @@ experiments:
 
 
 def test_two_workers(tiny_run, tmp_path):
-    done = visitlab("run", TINY, "--out", tmp_path, "--workers", 2)
+    done = new_process("run", TINY, "--out", tmp_path, "--workers", 2)  # whose hashes are others than of what forks
     assert done.returncode == 0, done.stderr
     assert hashes(the_run(tmp_path)) == hashes(tiny_run)
 
 
 def test_other_seeds_beside_and_added_later(tiny_run, tmp_path):
-    assert visitlab("run", TINY, "seeds=2", "--out", tmp_path).returncode == 0
+    assert new_process("run", TINY, "seeds=2", "--out", tmp_path).returncode == 0
     beside = only_cells(hashes(the_run(tmp_path)))
     first = only_cells(hashes(tiny_run))
     assert {path: digest for path, digest in beside.items() if "seed-0000" in path} == first
