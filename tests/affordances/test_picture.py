@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from tests.pictures.within import outside, upon_another, words_of
+from tests.pictures.within import beyond, upon_another, words_of
 from visitlab_cli.affordances.learned import affordances
 from visitlab_cli.affordances.maps_picture import colour_of
 from visitlab_cli.affordances.picture import draw_affordances, save_affordances
@@ -130,11 +130,8 @@ def test_long_names_are_whole_and_free(found, name):
     found = found._replace(cell=dataclasses.replace(found.cell, human=name), adaptations=renamed)
     with styled(STYLE):
         figure = draw_affordances(found)
-    assert outside(figure) == []
-    named = [
-        (words, box)
-        for words, box in words_of(figure)
-        if name.translate(WITHOUT_BREAKS) in words.translate(WITHOUT_BREAKS)
-    ]
+    words = words_of(figure)
+    assert beyond(figure, words) == []
+    named = [text for text, _ in words if name.translate(WITHOUT_BREAKS) in text.translate(WITHOUT_BREAKS)]
     assert len(named) == 2 + 2 * len(renamed) + 1
-    assert upon_another(words_of(figure)) == []
+    assert upon_another(words) == []

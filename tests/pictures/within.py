@@ -24,12 +24,12 @@ def words_of(figure):
     return [(text.get_text(), text.get_window_extent()) for text in drawn if text.get_text().strip()]
 
 
-def outside(figure):
-    """What is cut off by the figure's edge."""
+def beyond(figure, words):
+    """Those of a figure's texts, given with their boxes, that its edge cuts off."""
     page = figure.bbox
     return [
-        words
-        for words, box in words_of(figure)
+        text
+        for text, box in words
         if box.x0 < -SLACK or box.y0 < -SLACK or box.x1 > page.x1 + SLACK or box.y1 > page.y1 + SLACK
     ]
 
