@@ -37,8 +37,14 @@ def test_while_the_compiler_is_at_work(tmp_path, delay, number):
     assert (program.returncode, stdout, stderr) == (130, "", "interrupted\n")
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
-@pytest.mark.parametrize("delay", [0, 0.15, 0.3, 0.45])
+@pytest.mark.parametrize(
+    ("delay", "number"),
+    [
+        pytest.param(delay, number, marks=[] if (place + other) % 3 == 0 else pytest.mark.slow)
+        for place, delay in enumerate([0, 0.15, 0.3, 0.45])
+        for other, number in enumerate([signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+    ],
+)
 def test_all_processes_are_signalled_while_the_workers_start(tiny_run, tmp_path, delay, number):
     program = start("run", TINY, "--out", tmp_path / "runs", "--workers", 2)  # tiny_run: the compiler has been at work
     assert any("cells to do" in line for line in program.stderr)
