@@ -98,7 +98,7 @@ def test_a_wrong_value_is_seen_where_it_stands(logs, task, column):
     """At most of 40 rows: another action may by chance have led to the same."""
     log = logs[task]
     seen = 0
-    rows = np.random.default_rng(3).choice(np.arange(1, 600), size=40, replace=False).tolist()
+    rows = np.random.default_rng(3).choice(np.arange(1, 240), size=40, replace=False).tolist()
     for row in rows:
         part = {name: values[: row + 30].copy() for name, values in log.items()}
         value = part[column][row]
@@ -253,7 +253,7 @@ def test_a_log_of_wrong_rules_is_refused(name, monkeypatch):
     with monkeypatch.context() as patched:
         _clear_caches()
         patched.setattr(rules, attribute, wrong)
-        log = play(task, TRIALS[task] * 2, seed=6, **SETTINGS[task])
+        log = play(task, TRIALS[task], seed=6, **SETTINGS[task])
     _clear_caches()
     assert check_log(log, task, **SETTINGS[task]) or worst(log, task, **SETTINGS[task]) > LIMIT
 

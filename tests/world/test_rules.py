@@ -7,7 +7,7 @@ from tests.oracle.checker import best_directions_of, check_frequencies, check_lo
 from tests.oracle.grid import Grid
 from tests.world.package_log import EPSILON, HUMAN, module_tables, package_log
 
-STEPS = 60_000
+STEPS = 30_000
 
 
 def settings_of(task):
