@@ -33,7 +33,7 @@ def log_of(package, cache, first):
         f"sys.argv = ['package_log.py', 'social', '2000', {str(out)!r}]\n"
         f"runpy.run_path({str(PLAYER)!r}, run_name='__main__')\n"
     )
-    environment = os.environ | {"PYTHONPATH": str(package.parent), "VISITLAB_CACHE": str(cache)}
+    environment = os.environ | {"PYTHONPATH": str(package.parent), "VISITLAB_CACHE": str(cache), "NUMBA_OPT": "0"}
     out.unlink(missing_ok=True)
     command = [sys.executable, "-c", program]
     subprocess.run(command, env=environment, cwd=package.parent, check=False, capture_output=True)
@@ -46,7 +46,7 @@ def compiled_files(cache):
 
 def test_an_edited_kernel_file_changes_the_next_result(tmp_path):
     package, cache = tmp_path / "visitlab_cli", tmp_path / "cache"
-    shutil.copytree(PACKAGE, package, ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copytree(PACKAGE, package)
     first = log_of(package, cache, "numba")
     compiled = compiled_files(cache)
     assert first

@@ -29,7 +29,7 @@ INSTALLED = "import sys\nfrom visitlab_cli.__main__ import main\nif __name__ == 
 def clone(tmp_path):
     """A folder with a copy of the package in which a rule was edited."""
     package = tmp_path / "clone" / "visitlab_cli"
-    shutil.copytree(PACKAGE, package, ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copytree(PACKAGE, package)
     shutil.copytree(PACKAGE.parent / "configs", package / "shipped_configs")
     file, old, new = RULE
     text = (package / file).read_text()

@@ -24,7 +24,7 @@ CELL = "navigation/mf/seed-0000"
 def edited(tmp_path):
     """The environment in which the program is one with an edited rule."""
     clone = tmp_path / "clone" / "visitlab_cli"
-    shutil.copytree(PACKAGE, clone, ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copytree(PACKAGE, clone)
     shutil.copytree(PACKAGE.parent / "configs", clone / "shipped_configs")
     file = clone / "world" / "navigation.py"
     text = file.read_text()
