@@ -28,6 +28,7 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 KERNEL_SOURCES = (
     "callbacks.py",
     "compiled.py",
+    "gym/episodes.py",
     "kernel_cache.py",
     "random_numbers.py",
     "world",
@@ -76,12 +77,14 @@ def place_of(records: Iterable[type], function: Callable[..., Any] | None = None
 
 
 def records_in(given: Any) -> Iterator[type]:
-    """The classes of the NamedTuples in values, or in numba's types of them."""
+    """The classes of the NamedTuples in values, or in numba's types of them, those of records held in memory, too."""
     if isinstance(given, types.BaseNamedTuple):
         yield given.instance_class  # type: ignore[attr-defined]
     elif isinstance(given, tuple):
         yield type(given)
     parts: Any = given if isinstance(given, tuple | types.BaseTuple) else ()
+    if isinstance(given, types.StructRef):
+        parts = [field for _, field in given._fields]
     for inner in parts:
         yield from records_in(inner)
 

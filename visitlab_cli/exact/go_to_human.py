@@ -5,10 +5,11 @@ robot cell, human cell and human heading are the full state: 576 x 576 x 8 in th
 320 states knows less; what it reaches is below this optimum.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cache
 
 import numpy as np
+import numpy.typing as npt
 
 from visitlab_cli.exact.motion import Motion, optimal_sums, random_sums
 from visitlab_cli.random_numbers import random_state
@@ -27,27 +28,37 @@ def go_to_human_motion(success: str = "facing", distances: Sequence[int] = DISTA
     """
     lab = lab or paper_lab()
     task, unused = make_go_to_human(success=success, distances=distances, lab=lab), random_state(0)
-    cells, southmost, eastmost = lab.rows * lab.cols, lab.rows - 1, lab.cols - 1
+    cells = lab.rows * lab.cols
     after = np.empty((cells, N_PHYSICAL_ACTIONS), np.int64)
     for cell in range(cells):
-        scene = _scene(task, Body(*divmod(cell, lab.cols), 0), Body(0, 0, 0))
+        scene = scene_of(task, Body(*divmod(cell, lab.cols), 0), Body(0, 0, 0))
         for action in range(N_PHYSICAL_ACTIONS):
             moved, _, _ = step(task, scene, action, unused)
             after[cell, action] = moved.robot_row * lab.cols + moved.robot_col
-    by_offset = np.empty((2 * southmost + 1, 2 * eastmost + 1, N_DIRECTIONS), np.uint8)
+    reward = by_offset(lab, lambda robot, human: step(task, scene_of(task, robot, human), Action.STAY.value, unused)[1])
+    return Motion(after, reward.astype(np.uint8))
+
+
+def by_offset(lab: Lab, value: Callable[[Body, Body], float]) -> npt.NDArray[np.int64]:
+    """A whole number for each robot and human, of which only their places to each other matter: (cells, humans).
+
+    A human is its cell times 8 plus its heading; `value` is asked once for each offset and heading.
+    """
+    southmost, eastmost = lab.rows - 1, lab.cols - 1
+    found = np.empty((2 * southmost + 1, 2 * eastmost + 1, N_DIRECTIONS), np.int64)
     for south in range(-southmost, southmost + 1):
         for east in range(-eastmost, eastmost + 1):
             robot, human = Body(max(south, 0), max(east, 0), 0), Body(max(-south, 0), max(-east, 0), 0)
             for heading in range(N_DIRECTIONS):
-                scene = _scene(task, robot, human._replace(heading=heading))
-                by_offset[south + southmost, east + eastmost, heading] = step(task, scene, Action.STAY.value, unused)[1]
+                found[south + southmost, east + eastmost, heading] = value(robot, human._replace(heading=heading))
+    cells = lab.rows * lab.cols
     rows, cols = np.divmod(np.arange(cells), lab.cols)
     below, beside = rows[:, None] - rows, cols[:, None] - cols  # the robot's place less the human's
-    reward = by_offset[below + southmost, beside + eastmost]
-    return Motion(after, reward.reshape(cells, cells * N_DIRECTIONS))
+    return found[below + southmost, beside + eastmost].reshape(cells, cells * N_DIRECTIONS)
 
 
-def _scene(task: GoToHuman, robot: Body, human: Body) -> Scene:
+def scene_of(task: GoToHuman, robot: Body, human: Body) -> Scene:
+    """How a trial with these two begins."""
     return first_scene(task.geometry, NOWHERE, robot, human)
 
 

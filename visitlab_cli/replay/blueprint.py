@@ -1,5 +1,7 @@
 """How the viewer lays a trial out: the scene, the words beside it, lanes and curves over the steps."""
 
+from typing import Literal
+
 import rerun.blueprint as rrb
 
 from visitlab_cli.replay.curves import ACTION, GOAL_LANE, LANES, LEVEL
@@ -15,8 +17,8 @@ STRIP_COLUMNS = 3
 NO_LEGEND = rrb.PlotLegend(visible=False)
 
 
-def blueprint_of(shown: Scene) -> rrb.Blueprint:
-    """The layout for the trial's task."""
+def blueprint_of(shown: Scene, *, following: bool = False) -> rrb.Blueprint:
+    """The layout for the trial's task; it begins at the trial's start, or is always `following` its last step."""
     trial = shown.trial
     scene = _scene(shown, f"{trial.cell}, trial {trial.number}", SCENE)
     steps = strip_steps(trial.steps, trial.lab)
@@ -36,11 +38,12 @@ def blueprint_of(shown: Scene) -> rrb.Blueprint:
     there = {LEVEL: trial.has_human, ACTION: True, GOAL_LANE: trial.has_goal}
     lanes = [lane for lane in LANES if there[lane]]
     names = ", ".join(lane.replace("_", " ") for lane in lanes).capitalize()
+    state: Literal["following", "paused"] = "following" if following else "paused"
     states = rrb.StateTimelineView(origin="/", contents=lanes, name=names, time_view=axis)
     side = rrb.Vertical(*words, rrb.Horizontal(*curves), row_shares=[3.2, 3.9, 2.7])
     return rrb.Blueprint(
         rrb.Vertical(rrb.Horizontal(left, side, column_shares=[1, 1]), states, row_shares=[4.4, 1]),
-        rrb.TimePanel(timeline=TIMELINE, fps=FRAMES_PER_SECOND, play_state="paused", state="collapsed"),
+        rrb.TimePanel(timeline=TIMELINE, fps=FRAMES_PER_SECOND, play_state=state, state="collapsed"),
         rrb.SelectionPanel(state="hidden"),
         rrb.BlueprintPanel(state="hidden"),
         rrb.TopPanel(state="hidden"),

@@ -13,16 +13,25 @@ from visitlab_cli.scene.trial import Trial
 
 def record(trial: Trial) -> bytes:
     """The content of an .rrd file: the trial on the timeline `step`, and its blueprint."""
-    title = f"{trial.cell}, trial {trial.number}"
-    recording = rr.RecordingStream(NAME, recording_id=f"{trial.cell}/trial-{trial.number}")
+    recording = recording_of(trial)
     stream = rr.binary_stream(recording)
+    draw(trial, recording)
+    content = stream.read(flush=True)
+    recording.disconnect()
+    return content or b""
+
+
+def recording_of(trial: Trial) -> rr.RecordingStream:
+    """A recording for a trial, still empty and going nowhere."""
+    return rr.RecordingStream(NAME, recording_id=f"{trial.cell}/trial-{trial.number}")
+
+
+def draw(trial: Trial, recording: rr.RecordingStream, *, following: bool = False) -> None:
+    """Draw a trial; `following` where it goes on and the viewer is to show its last step."""
     stage = Stage(Scene(trial), recording)
-    recording.send_blueprint(blueprint_of(stage.scene))
-    recording.send_recording_name(title)
+    recording.send_blueprint(blueprint_of(stage.scene, following=following))
+    recording.send_recording_name(f"{trial.cell}, trial {trial.number}")
     draw_scene(stage)
     curves.draw_words(stage)
     curves.draw_states(stage)
     curves.draw_curves(stage)
-    content = stream.read(flush=True)
-    recording.disconnect()
-    return content or b""

@@ -94,7 +94,7 @@ def draw_strip(trial: Trial, steps: Sequence[int]) -> "Figure":
         axes.text(0.97, 0.03, kinds, transform=axes.transAxes, ha="right", weight="bold", zorder=7)
         if scene.share_a_cell(step):
             axes.text(0.97, 0.12, IN_ONE_CELL, transform=axes.transAxes, ha="right", zorder=7)
-        title, below = _title(trial, step)
+        title, below = title_of(trial, step)
         axes.set_title(f"{title}\n{below}", fontsize=FONT_SIZE, loc="left", pad=2.5, linespacing=1.15)
     if missing:
         figure.text(0.5, (KEY_GAP / 2 + KEY_LINE / 2) / height, f"Not shown: {missing}.", ha="center", va="center")
@@ -126,7 +126,7 @@ def _key(trial: Trial) -> list[Any]:
     return handles
 
 
-def _title(trial: Trial, step: int) -> tuple[str, str]:
+def title_of(trial: Trial, step: int) -> tuple[str, str]:
     """Step and action; desired direction and level."""
     words = []
     if trial.has_engagement:

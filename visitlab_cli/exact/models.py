@@ -1,0 +1,86 @@
+"""The known motion as a model of what an agent observes: where each state and action leads, and what it brings.
+
+In navigation the state says all, so one state follows. In go_to_human cells are hidden: the model is the mean over all
+cells and headings, drawn uniformly as a trial begins; what a state's past tells of the cells it leaves out.
+"""
+
+from collections.abc import Sequence
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from visitlab_cli.exact.go_to_human import by_offset, go_to_human_motion, scene_of
+from visitlab_cli.exact.motion import PRECISION, Table
+from visitlab_cli.exact.navigation import navigation_motion
+from visitlab_cli.world.enums import N_PHYSICAL_ACTIONS
+from visitlab_cli.world.geometry import DISTANCES
+from visitlab_cli.world.go_to_human import go_to_human_state, make_go_to_human
+from visitlab_cli.world.lab import Lab, paper_lab
+from visitlab_cli.world.tasks import GO_TO_HUMAN, TASKS
+
+
+class Known(NamedTuple):
+    """A model whose moves are certain: `P[s, a]` is the next state, `R[s, a]` the reward, shapes (states, actions)."""
+
+    P: npt.NDArray[np.int64]
+    R: Table
+
+
+class Expected(NamedTuple):
+    """`P[s, a, s']` is a probability, shape (states, actions, states); `R[s, a]` the expected reward."""
+
+    P: Table
+    R: Table
+
+
+@cache
+def navigation_model(lab: Lab | None = None) -> Known:
+    """Of `navigation` in `lab`, the paper's unless given; states as the task numbers them, 5184 in the paper's lab."""
+    motion = navigation_motion(lab)
+    cells, rooms = motion.reward.shape
+    P = np.arange(rooms)[:, None, None] * cells + motion.after
+    R = motion.reward.T[:, motion.after].astype(np.float64)
+    return Known(_shared(P.reshape(rooms * cells, -1)), _shared(R.reshape(rooms * cells, -1)))
+
+
+@cache
+def go_to_human_model(
+    success: str = "facing", distances: Sequence[int] = DISTANCES, lab: Lab | None = None
+) -> Expected:
+    """Of `go_to_human` in `lab`, the paper's unless given, on its 320 states."""
+    lab = lab or paper_lab()
+    motion = go_to_human_motion(success, distances, lab)
+    task, size = make_go_to_human(success=success, distances=distances, lab=lab), TASKS[GO_TO_HUMAN].size(lab)
+    states = by_offset(lab, lambda robot, human: go_to_human_state(scene_of(task, robot, human)))  # (cells, humans)
+    P = np.zeros((size.n_states, size.n_actions, size.n_states))
+    R = np.zeros((size.n_states, size.n_actions))
+    often = np.bincount(states.ravel(), minlength=size.n_states)
+    for action in range(N_PHYSICAL_ACTIONS):
+        ends = motion.after[:, action]
+        pairs = states * size.n_states + states[ends]
+        P[:, action] = np.bincount(pairs.ravel(), minlength=size.n_states**2).reshape(size.n_states, -1)
+        R[:, action] = np.bincount(states.ravel(), motion.reward[ends].ravel(), size.n_states)
+    seen = np.maximum(often, 1)  # in a small lab some states never come about: nothing follows
+    return Expected(_shared(P / seen[:, None, None]), _shared(R / seen[:, None]))
+
+
+@cache
+def go_to_human_mean_q(
+    gamma: float, success: str = "facing", distances: Sequence[int] = DISTANCES, lab: Lab | None = None
+) -> Table:
+    """The optimal discounted Q of the mean model, shape (320, 25 actions): what a planner with endless practice has."""
+    P, R = go_to_human_model(success, distances, lab)
+    values = np.zeros(len(R))
+    while True:
+        q = R + gamma * (P @ values)
+        change = np.abs(q.max(axis=1) - values).max()
+        values = q.max(axis=1)
+        if change * gamma <= PRECISION * (1 - gamma):
+            return _shared(q)
+
+
+def _shared(array: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    array.setflags(write=False)  # shared by all who ask
+    return array
