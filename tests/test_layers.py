@@ -30,7 +30,7 @@ FLOORS = [
     {"affordances"},
     {"paper"},
     {"figures", "replay", "report"},
-    {"console"},
+    {"console", "gym"},
     {"commands", "running"},
     {"cli"},
     {"__main__"},

@@ -54,7 +54,8 @@ def by_offset(lab: Lab, value: Callable[[Body, Body], float]) -> npt.NDArray[np.
     cells = lab.rows * lab.cols
     rows, cols = np.divmod(np.arange(cells), lab.cols)
     below, beside = rows[:, None] - rows, cols[:, None] - cols  # the robot's place less the human's
-    return found[below + southmost, beside + eastmost].reshape(cells, cells * N_DIRECTIONS)
+    values: npt.NDArray[np.int64] = found[below + southmost, beside + eastmost].reshape(cells, cells * N_DIRECTIONS)
+    return values
 
 
 def scene_of(task: GoToHuman, robot: Body, human: Body) -> Scene:

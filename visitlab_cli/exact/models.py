@@ -6,7 +6,7 @@ cells and headings, drawn uniformly as a trial begins; what a state's past tells
 
 from collections.abc import Sequence
 from functools import cache
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -19,6 +19,8 @@ from visitlab_cli.world.geometry import DISTANCES
 from visitlab_cli.world.go_to_human import go_to_human_state, make_go_to_human
 from visitlab_cli.world.lab import Lab, paper_lab
 from visitlab_cli.world.tasks import GO_TO_HUMAN, TASKS
+
+Number = TypeVar("Number", np.int64, np.float64)
 
 
 class Known(NamedTuple):
@@ -81,6 +83,6 @@ def go_to_human_mean_q(
             return _shared(q)
 
 
-def _shared(array: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+def _shared(array: npt.NDArray[Number]) -> npt.NDArray[Number]:
     array.setflags(write=False)  # shared by all who ask
     return array

@@ -18,9 +18,9 @@ from visitlab_cli.gym.places import PLACES
 from visitlab_cli.gym.rendering import FRAMES_PER_SECOND, RENDER_MODES, Rendering
 from visitlab_cli.gym.streams import WORDS, derived
 from visitlab_cli.random_numbers import RandomState, random_state
+from visitlab_cli.wording import or_else
 from visitlab_cli.world.enums import Action
 from visitlab_cli.world.lab import Lab
-from visitlab_cli.wording import or_else
 
 CELL = "cell"
 OPTIONS = (CELL,)
@@ -52,27 +52,25 @@ class Environment(gymnasium.Env[Any, int]):
         self._observation = observation_of(observation, place.task, place.world)
         self._informing = Informing(place.task, full_info=full_info)
         self.observation_space = self._observation.space
-        self.action_space: spaces.Discrete = spaces.Discrete(place.task.size(place.world).n_actions)
+        self._n_actions = place.task.size(place.world).n_actions
+        self.action_space: spaces.Space[Any] = spaces.Discrete(self._n_actions)
         self._memory = Memory.of(1)
         self._rendering = None if render_mode is None else Rendering(place, render_mode)
         self.random_words = np.zeros(WORDS, np.uint64)
-        """The stream of the rules as kernels take it, shape (4,), changed in place: an agent of visitlab's shares it."""
+        """The stream of the rules as kernels take it, shape (4,), changed in place; visitlab's own agents share it."""
         self._derived_from: np.random.Generator | None = None
         self._hold()
 
     def _hold(self) -> None:
-        n_actions, every_goal = int(self.action_space.n), self._place.task.counts_goals
-        randoms = self.random_words[None]
-        self._episodes = episodes_of(self._place.record, n_actions, every_goal, self._memory, randoms)
+        task, record, randoms = self._place.task, self._place.record, self.random_words[None]
+        self._episodes = episodes_of(record, self._n_actions, task.counts_goals, self._memory, randoms)
 
     @property
     def lab(self) -> Lab:
         """The world in which the two move."""
         return self._place.world
 
-    def reset(
-        self, *, seed: int | None = None, options: dict[str, Any] | None = None
-    ) -> tuple[Any, dict[str, Any]]:
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Begin an episode.
 
         Args:
@@ -115,7 +113,7 @@ class Environment(gymnasium.Env[Any, int]):
 
     def _refused(self, why: int, action: Any) -> Exception:
         if why == NO_SUCH_ACTION:
-            return InvalidAction(f"action {action}: must be from 0 to {self.action_space.n - 1}")
+            return InvalidAction(f"action {action}: must be from 0 to {self._n_actions - 1}")
         return ResetNeeded("no episode has begun, or its time is up: call reset() first")
 
     def render(self) -> Any:

@@ -40,13 +40,14 @@ if JIT_DISABLED:
 
 else:
     _structref: Any = structref
+    _types: Any = types
 
     @_structref.register
-    class _EpisodesType(types.StructRef):  # type: ignore[misc]
+    class _EpisodesType(types.StructRef):
         def preprocess_fields(self, fields: Any) -> Any:
-            return tuple((name, types.unliteral(field)) for name, field in fields)
+            return tuple((name, _types.unliteral(field)) for name, field in fields)
 
-    class Episodes(structref.StructRefProxy):  # type: ignore[misc, no-redef]
+    class Episodes(structref.StructRefProxy):  # type: ignore[no-redef]
         """`FIELDS` in compiled memory: Python holds a pointer."""
 
     _structref.define_proxy(Episodes, _EpisodesType, list(FIELDS))
@@ -123,7 +124,8 @@ def _advance(episodes: Any, lane: int, action: int) -> Told:
     over = bool(episodes.steps[lane] >= episodes.task.trial_steps)
     state, level = int(observe(episodes.task, scene)), int(scene.interaction_level)
     new_level = level if level > before.interaction_level else NONE
-    new_goal = int(before.goal_room) if reward > 0.0 and (episodes.every_goal or episodes.rewards[lane] == 0.0) else NONE
+    begins = episodes.every_goal or episodes.rewards[lane] == 0.0
+    new_goal = int(before.goal_room) if reward > 0.0 and begins else NONE
     episodes.rewards[lane] = reward
     return state, reward, lesson, over, level, new_level, new_goal
 

@@ -8,11 +8,11 @@ from gymnasium import spaces
 
 from visitlab_cli.errors import UsageError
 from visitlab_cli.gym.episodes import COLUMN, Integers
+from visitlab_cli.wording import or_else
 from visitlab_cli.world.columns import ENGAGEMENT, GOAL, HUMAN
 from visitlab_cli.world.enums import N_DIRECTIONS, N_DISTANCES, N_LEVELS
 from visitlab_cli.world.lab import Lab
 from visitlab_cli.world.tasks import Task
-from visitlab_cli.wording import or_else
 
 STATE, DICT = KINDS = ("state", "dict")
 ONE: Any = 0

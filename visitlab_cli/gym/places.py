@@ -1,7 +1,7 @@
 """What an environment plays: a task's record made of settings, which are checked as those of a config are."""
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -22,6 +22,7 @@ from visitlab_cli.world.tasks import GO_TO_HUMAN, NAVIGATION, SOCIAL, TASKS, VIS
 GAMMA = 0.9
 """The discount of the modules that a visit has unless others are given."""
 AGENT = "chance"
+LENGTH = "steps"
 CONFIG: dict[str, Any] = {
     "name": "environment",
     "agents": {AGENT: {"kind": "random"}},
@@ -121,13 +122,20 @@ def visit(
     lab = lab or paper_lab()
     entry, record = entry_and_record(human)
     rooms = goal_rooms if isinstance(goal_rooms, str) else [*goal_rooms]
-    settings, thresholds, met = _checked_with(VISIT, {"trial_steps": trial_steps, "goal_rooms": rooms}, distances, entry)
+    settings, thresholds, met = _checked_with(
+        VISIT, {"trial_steps": trial_steps, "goal_rooms": rooms}, distances, entry
+    )
     tables = _tables(modules or {}, lab, thresholds)
     made = settings.task_in(Site(lab, met if record is None else record, thresholds, tables))
     return Place(TASKS[VISIT], made, lab, lab, thresholds)
 
 
-PLACES = {NAVIGATION: navigation, GO_TO_HUMAN: go_to_human, SOCIAL: social, VISIT: visit}
+PLACES: dict[str, Callable[..., Place]] = {
+    NAVIGATION: navigation,
+    GO_TO_HUMAN: go_to_human,
+    SOCIAL: social,
+    VISIT: visit,
+}
 """What makes the place of each task, of its settings."""
 
 
@@ -160,7 +168,7 @@ def _checked_with(
     """The task's settings as a config has them, the distances, and the human's record."""
     own = {"like": human} if isinstance(human, str) else dict(human)
     trial_steps = settings["trial_steps"]
-    length = {} if task == VISIT else {"steps": trial_steps}  # one trial, so that any number of steps will do
+    length = {} if task == VISIT else {LENGTH: trial_steps}  # one trial, so that any number of steps will do
     experiments = CONFIG["experiments"]
     config = CONFIG | {
         "humans": {**shipped_humans(), HUMAN: own},
@@ -170,7 +178,8 @@ def _checked_with(
     try:
         checked = load_text(json.dumps(config), CONFIG["name"])
     except ConfigError as error:
-        raise UsageError(*dict.fromkeys(_in_words(problem) for problem in error.problems)) from None
+        own = [problem for problem in error.problems if not str(problem["path"]).endswith(f".{LENGTH}")]
+        raise UsageError(*dict.fromkeys(map(_in_words, own))) from None
     except (TypeError, ValueError) as error:
         raise UsageError(f"settings must be plain values, as YAML has them: {error}") from None
     return checked.experiments[task], checked.interaction.distances, checked.humans[HUMAN].create()

@@ -9,7 +9,7 @@ from visitlab_cli.gym.episodes import COLUMN, Told
 from visitlab_cli.gym.places import Place
 from visitlab_cli.replay.blueprint import FRAMES_PER_SECOND as REPLAYED
 from visitlab_cli.scene.trial import Trial
-from visitlab_cli.scene.words import LEVEL_NAMES, caption, direction_name, room_name
+from visitlab_cli.scene.words import LEVEL_NAMES, Steps, caption, direction_name, room_name
 from visitlab_cli.world.columns import DTYPES
 
 PICTURE, WORDS, VIEWER = "rgb_array", "ansi", "human"
@@ -33,7 +33,7 @@ class Rendering:
         if mode == VIEWER:
             from visitlab_cli.replay.live import Live
 
-            self._live = Live()
+            self._live = Live('use render_mode="rgb_array" or "ansi" instead')
 
     def add(self, told: Told, action: int, scene: list[int], *, first: bool) -> None:
         """A step, or the start of another episode, after which the scene is this."""
@@ -48,7 +48,7 @@ class Rendering:
     def trial(self) -> Trial:
         """The episode so far as a trial."""
         place = self._place
-        steps = {
+        steps: Steps = {
             column.name: np.array([row[column.name] for row in self._rows], DTYPES[column.kind])
             for column in place.task.columns
         }

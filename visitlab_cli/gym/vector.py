@@ -52,7 +52,7 @@ class Lanes(VectorEnv[Any, Array, Array]):
             raise UsageError(f"num_envs={num_envs}: must be at least 1")
         self.num_envs = num_envs
         place = PLACES[self.task](**settings)
-        n_actions = place.task.size(place.world).n_actions
+        self._n_actions = n_actions = place.task.size(place.world).n_actions
         self._observation = observation_of(observation, place.task, place.world)
         self._informing = Informing(place.task, full_info=full_info)
         self.single_observation_space = self._observation.space
@@ -104,8 +104,7 @@ class Lanes(VectorEnv[Any, Array, Array]):
         if wrong == NOT_BEGUN:
             raise ResetNeeded("no episode has begun: call reset() first")
         if wrong != NONE:
-            last = int(self.single_action_space.n) - 1
-            raise InvalidAction(f"lane {wrong}: action {chosen[wrong]}: must be from 0 to {last}")
+            raise InvalidAction(f"lane {wrong}: action {chosen[wrong]}: must be from 0 to {self._n_actions - 1}")
         seen, info = self._seen(states, lessons, new_levels, new_goals)
         return seen, rewards, np.zeros(lanes, np.bool_), over, info
 

@@ -36,7 +36,8 @@ def draw_words(stage: Stage) -> None:
     stage.columns("captions", rr.TextLog.columns(text=told))
     pages = [_page(stage, step, text) for step, text in enumerate(told)]
     stage.columns("now", rr.TextDocument.columns(text=pages, media_type=["text/markdown"] * len(pages)))
-    for moment in moments(stage.trial.steps, stage.trial.lab):
+    new = (moment for moment in moments(stage.trial.steps, stage.trial.lab) if moment.step >= stage.first)
+    for moment in new:
         stage.recording.set_time("step", sequence=moment.step)
         stage.recording.log("moments", rr.TextLog(f"{moment.kind}: {told[moment.step]}"))
     stage.recording.reset_time()

@@ -1,6 +1,7 @@
 """A scene drawn with Rerun: each role of its shapes as one entity, whole columns at a time."""
 
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 import rerun as rr
@@ -59,8 +60,8 @@ def _draw_place(stage: Stage) -> None:
     tiles = [line for shape in of_role(place, Role.TILE) for line in _strip(shape)]
     areas = [shape for shape in of_role(place, Role.FLOOR, Role.ROOM) if isinstance(shape, Area)]
     names = [stroke for area in areas if area.text for stroke in _name(area)]
-    stage.fixed("lab/floor", rr.LineStrips2D([t.points for t in tiles], colors=tiles[0].colour, radii=tiles[0].radius))
-    stage.fixed("lab/floor", rr.LineStrips2D.from_fields(draw_order=FLOOR))
+    look: Any = {"colors": tiles[0].colour, "radii": tiles[0].radius, "draw_order": FLOOR}
+    stage.fixed("lab/floor", rr.LineStrips2D([tile.points for tile in tiles], **look))
     stage.fixed("lab/walls", rr.LineStrips2D([a.outline for a in areas], colors=WALL, radii=0.06, draw_order=WALLS))
     if names:
         stage.fixed("lab/names", rr.LineStrips2D(names, colors=NAME, radii=0.06, draw_order=WALLS))

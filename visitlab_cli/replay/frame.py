@@ -31,7 +31,7 @@ def frame(trial: Trial) -> npt.NDArray[np.uint8]:
             from matplotlib.backends.backend_agg import FigureCanvasAgg
             from matplotlib.figure import Figure
 
-            canvas = FigureCanvasAgg(Figure(figsize=(width, height), dpi=resolution))
+            canvas: Any = FigureCanvasAgg(Figure(figsize=(width, height), dpi=resolution))
             side: Any = (GAP / width, GAP / height, PANEL / width, PANEL / height)
             axes = canvas.figure.add_axes(side)
             panel.draw(axes, Scene(trial), step)

@@ -15,7 +15,7 @@ def record(trial: Trial) -> bytes:
     """The content of an .rrd file: the trial on the timeline `step`, and its blueprint."""
     recording = recording_of(trial)
     stream = rr.binary_stream(recording)
-    draw(trial, recording)
+    draw_stage(Stage(Scene(trial), recording), following=False)
     content = stream.read(flush=True)
     recording.disconnect()
     return content or b""
@@ -26,11 +26,11 @@ def recording_of(trial: Trial) -> rr.RecordingStream:
     return rr.RecordingStream(NAME, recording_id=f"{trial.cell}/trial-{trial.number}")
 
 
-def draw(trial: Trial, recording: rr.RecordingStream, *, following: bool = False) -> None:
-    """Draw a trial; `following` where it goes on and the viewer is to show its last step."""
-    stage = Stage(Scene(trial), recording)
-    recording.send_blueprint(blueprint_of(stage.scene, following=following))
-    recording.send_recording_name(f"{trial.cell}, trial {trial.number}")
+def draw_stage(stage: Stage, *, following: bool) -> None:
+    """Draw what the stage is to send; `following` where the viewer is to show the last step that there is."""
+    trial = stage.trial
+    stage.recording.send_blueprint(blueprint_of(stage.scene, following=following))
+    stage.recording.send_recording_name(f"{trial.cell}, trial {trial.number}")
     draw_scene(stage)
     curves.draw_words(stage)
     curves.draw_states(stage)

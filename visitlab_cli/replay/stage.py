@@ -21,24 +21,48 @@ class Line(NamedTuple):
     colour: Colour
 
 
-class Stage:
-    """A recording of one trial; everything is sent as columns over the timeline `step`, nothing step by step."""
+class _Rows(NamedTuple):
+    """A column from a row on, as Rerun takes it."""
 
-    def __init__(self, scene: Scene, recording: rr.RecordingStream) -> None:
+    column: Any
+    first: int
+
+    def component_descriptor(self) -> Any:
+        return self.column.component_descriptor()
+
+    def as_arrow_array(self) -> Any:
+        return self.column.as_arrow_array()[self.first :]
+
+
+class Stage:
+    """A recording of one trial; everything is sent as columns over the timeline `step`, nothing step by step.
+
+    Of a trial that goes on, and was drawn before, only the steps from `first` on are sent, and what is in `sent` is
+    not sent again: the entities of which what holds for the whole trial is there.
+    """
+
+    def __init__(
+        self, scene: Scene, recording: rr.RecordingStream, first: int = 0, sent: set[str] | None = None
+    ) -> None:
         """Nothing is drawn yet."""
         self.scene = scene
         self.trial = trial = scene.trial
         self.recording = recording
-        self._times = [rr.TimeColumn(TIMELINE, sequence=trial.steps["step"].astype(np.int64))]
+        self.first = first
+        self._sent = set() if sent is None else sent
+        self._times = [rr.TimeColumn(TIMELINE, sequence=trial.steps["step"][first:].astype(np.int64))]
 
     def fixed(self, entity: str, *archetypes: Any) -> None:
-        """What holds for the whole trial."""
-        for archetype in archetypes:
-            self.recording.log(entity, archetype, static=True)
+        """What holds for the whole trial, all of it that there is of an entity."""
+        if entity not in self._sent:
+            self._sent.add(entity)
+            for archetype in archetypes:
+                self.recording.log(entity, archetype, static=True)
 
     def columns(self, entity: str, columns: Any) -> None:
         """Columns with one row a step, step 0 first."""
-        self.recording.send_columns(entity, self._times, columns)
+        rows: list[Any] = [_Rows(column, self.first) for column in columns]
+        self.recording.send_columns(entity, self._times, rows)
 
     def lines(self, entity: str, steps: Iterable[Sequence[Line]], draw_order: float) -> None:
         """The lines that are seen at each step, maybe none."""

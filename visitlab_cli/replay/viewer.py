@@ -17,14 +17,14 @@ STARTS_WITHIN = 60.0
 """Seconds: a busy machine takes a while."""
 
 
-def check_display() -> None:
-    """Nothing where a window can be opened.
+def check_display(instead: str = INSTEAD) -> None:
+    """Nothing where a window can be opened; the message says what to do `instead`.
 
     Raises:
         UsageError: there is no display.
     """
     if sys.platform == "linux" and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
-        raise UsageError(f"no display to open the viewer on; {INSTEAD}")
+        raise UsageError(f"no display to open the viewer on; {instead}")
 
 
 def show(content: bytes) -> None:

@@ -1,0 +1,70 @@
+"""Steps a second through Gymnasium on one core, as a user's loop has them: one environment, and lanes.
+
+    python -m benchmarks.environments
+
+Actions are drawn beforehand. Of one environment the loop's own work (a call, a tuple, the test for an episode's end)
+is in the figure; the last column is what was to be reached.
+"""
+
+import time
+
+LANES = 1024
+SINGLE_STEPS, LANE_STEPS = 200_000, 400
+CASES = {  # (environment, keywords): (wanted of one, wanted of the lanes)
+    ("Navigation-v0", ()): (None, None),
+    ("GoToHuman-v0", ()): (None, None),
+    ("Social-v0", ()): (140_000, 4_000_000),
+    ("Social-v0", (("full_info", True),)): (None, None),
+    ("Social-v0", (("observation", "dict"),)): (None, None),
+    ("Visit-v0", ()): (None, None),
+}
+REPETITIONS = 3
+
+
+def single(name, keywords):
+    """Steps a second of one environment, episodes begun anew."""
+    import gymnasium
+    import numpy as np
+
+    environment = gymnasium.make(f"visitlab/{name}", **keywords)
+    actions = np.random.default_rng(0).integers(environment.action_space.n, size=SINGLE_STEPS)
+    environment.reset(seed=0)
+    environment.step(actions[0])
+    begun = time.perf_counter()
+    for action in actions:
+        _, _, terminated, truncated, _ = environment.step(action)
+        if terminated or truncated:
+            environment.reset()
+    return SINGLE_STEPS / (time.perf_counter() - begun)
+
+
+def lanes(name, keywords):
+    """Steps a second of many lanes."""
+    import gymnasium
+    import numpy as np
+
+    environments = gymnasium.make_vec(f"visitlab/{name}", num_envs=LANES, **keywords)
+    n_actions = environments.single_action_space.n
+    actions = np.random.default_rng(0).integers(n_actions, size=(LANE_STEPS, LANES))
+    environments.reset(seed=0)
+    environments.step(actions[0])
+    begun = time.perf_counter()
+    for each in actions:
+        environments.step(each)
+    return LANES * LANE_STEPS / (time.perf_counter() - begun)
+
+
+def main():
+    import visitlab_cli.gym  # noqa: F401  (it registers)
+
+    print(f"{'':34}{'one':>12}{'wanted':>12}{f'{LANES} lanes':>14}{'wanted':>12}   steps a second")
+    for (name, pairs), (of_one, of_lanes) in CASES.items():
+        keywords = dict(pairs)
+        fast = max(single(name, keywords) for _ in range(REPETITIONS))
+        many = max(lanes(name, keywords) for _ in range(REPETITIONS))
+        words = " ".join([name, *(f"{key}={value}" for key, value in pairs)])
+        print(f"{words:34}{fast:12,.0f}{of_one or '-':>12}{many:14,.0f}{of_lanes or '-':>12}", flush=True)
+
+
+if __name__ == "__main__":
+    main()
