@@ -1,6 +1,5 @@
 """What an environment's agent observes: the task's state, or a scene in its parts; for one lane or many."""
 
-from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -24,13 +23,19 @@ Scenes = Integers
 
 
 class Observation(NamedTuple):
-    """The space of what is observed, and what that is: of states, scenes, and whose, `ONE` or `ALL`.
-
-    Of `ALL`, states have the shape (lanes,), and so has what is observed; nothing is shared with what is given.
-    """
+    """The space of what is observed, and of its parts the columns of a scene; of a state, which has none, None."""
 
     space: "spaces.Space[Any]"
-    of: Callable[[Any, Scenes, Any], Any]
+    columns: dict[str, int | list[int]] | None = None
+
+    def of(self, state: Any, scenes: Scenes, whose: Any) -> Any:
+        """What is observed of states and scenes, and whose, `ONE` or `ALL`; it shares nothing with what is given.
+
+        Of `ALL`, states have the shape (lanes,), and so has what is observed.
+        """
+        if self.columns is None:
+            return state
+        return {name: scenes[whose, places].copy() for name, places in self.columns.items()}
 
 
 class _Part(NamedTuple):
@@ -45,16 +50,12 @@ def observation_of(kind: str, task: Task, lab: Lab) -> Observation:
         UsageError: there is no such word.
     """
     if kind == STATE:
-        return Observation(spaces.Discrete(task.size(lab).n_states), lambda state, scenes, whose: state)
+        return Observation(spaces.Discrete(task.size(lab).n_states))
     if kind != DICT:
         raise UsageError(f"observation={kind!r}: there is none{or_else(str(kind), KINDS)}")
     parts = _parts(task, lab)
-    columns = {name: part.columns for name, part in parts.items()}
-
-    def observed(state: Any, scenes: Scenes, whose: Any) -> dict[str, Any]:
-        return {name: scenes[whose, places].copy() for name, places in columns.items()}
-
-    return Observation(spaces.Dict({name: part.space for name, part in parts.items()}), observed)
+    space = spaces.Dict({name: part.space for name, part in parts.items()})
+    return Observation(space, {name: part.columns for name, part in parts.items()})
 
 
 def _parts(task: Task, lab: Lab) -> dict[str, _Part]:
