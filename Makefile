@@ -43,6 +43,7 @@ benchmark: $(READY)
 	$(BIN)/python -m benchmarks.reading
 	$(BIN)/python -m benchmarks.program
 	$(BIN)/python -m benchmarks.plugins
+	$(BIN)/python -m benchmarks.environments
 
 $(READY): pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)

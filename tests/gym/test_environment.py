@@ -1,6 +1,8 @@
 """The environments keep Gymnasium's promises, and are the tasks of TASK.md."""
 
 import copy
+import itertools
+import os
 import pickle
 import subprocess
 import sys
@@ -128,7 +130,7 @@ def test_the_state_is_that_of_the_parts(name):
 def test_what_was_just_reached_in_a_visit():
     rows = [row for seed in range(40) for row in with_scene(VISIT, seed, human="human_1")]
     told = set()
-    for before, after in zip(rows, rows[1:], strict=False):
+    for before, after in itertools.pairwise(rows):
         if after["executed_action"] == Action.NO_ACTION:
             assert (after["level_reached"], after["goal_reached"], after["social_reward"]) == (-1, -1, 0.0)
             continue
@@ -231,3 +233,34 @@ def test_wrong_calls():
         environment.reset(options={"cel": "social/mf/human_2/seed-0000"})
     with pytest.raises(UsageError, match="needs its config's seed"):
         environment.reset(options={"cell": "social/mf/human_2/seed-0000"})
+
+
+PLAYED = """
+import gymnasium, numpy as np, visitlab_cli.gym
+from visitlab_cli.compiled import JIT_DISABLED
+modules = {"navigation": np.arange(5184 * 25.0).reshape(5184, 25) % 7, "go_to_human": np.zeros((320, 25))}
+print(JIT_DISABLED)
+for name in visitlab_cli.gym.ENVIRONMENTS:
+    more = {"modules": modules} if "Visit" in name else {}
+    one = gymnasium.make(name, full_info=True, **more)
+    told = [one.reset(seed=3), *(one.step(action) for action in range(20))]
+    lanes = gymnasium.make_vec(name, num_envs=3, trial_steps=5, **more)
+    told += [lanes.reset(seed=3)[0].tolist(), *(lanes.step([action] * 3)[0].tolist() for action in range(20))]
+    print(told)
+"""
+
+
+def test_without_the_compiler_all_is_the_same():
+    played = [
+        subprocess.run(
+            [sys.executable, "-c", PLAYED],
+            env=os.environ | {"NUMBA_DISABLE_JIT": switched_off},
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout.splitlines()
+        for switched_off in ("0", "1")
+    ]
+    (compiled, *as_compiled), (plain, *as_plain) = played
+    assert (compiled, plain) == ("False", "True")
+    assert as_plain == as_compiled

@@ -4,6 +4,7 @@ import gymnasium
 import numpy as np
 import pytest
 import rerun as rr
+from rerun.chunk import RrdReader
 
 from tests.gym.test_environment import IDS, NAVIGATION, SOCIAL, VISIT, actions_of, made
 from visitlab_cli.errors import UsageError
@@ -73,11 +74,10 @@ def rows_of(content, tmp_path, name):
     """How many rows each entity of a recording has on the timeline, by its components."""
     file = tmp_path / f"{name}.rrd"
     file.write_bytes(content)
-    recording = rr.recording.load_recording(file)
     counts = {}
-    for chunk in recording.chunks():
-        key = str(chunk.entity_path)
-        counts[key] = counts.get(key, 0) + chunk.num_rows
+    for chunk in RrdReader(file).stream().to_chunks():
+        entity = str(chunk.entity_path)
+        counts[entity] = counts.get(entity, 0) + chunk.num_rows
     return counts
 
 
