@@ -1,13 +1,18 @@
 """Compiled lanes are, step for step, single environments with Gymnasium's own way to begin anew."""
 
 import gymnasium
+import numba
 import numpy as np
 import pytest
 from gymnasium.error import InvalidAction, ResetNeeded
 from gymnasium.vector import AutoresetMode
 
 from tests.gym.test_environment import IDS, MODULES, SOCIAL, VISIT
+from visitlab_cli.compiled import JIT_DISABLED, records_in
 from visitlab_cli.errors import UsageError
+from visitlab_cli.humans.six_parameters import Human
+from visitlab_cli.world.geometry import Geometry
+from visitlab_cli.world.social import Social
 
 LANES = 5
 
@@ -74,3 +79,10 @@ def test_wrong_calls():
     assert_same(lanes.reset(seed=0), before)
     with pytest.raises(UsageError, match="lanes are not rendered"):
         gymnasium.make_vec(SOCIAL, num_envs=2, render_mode="rgb_array")
+
+
+@pytest.mark.skipif(JIT_DISABLED, reason="it is about compiled code")
+def test_whose_code_takes_part_is_known_of_what_is_held_in_memory():
+    """So that machine code of other people's humans is kept apart from ours."""
+    lanes, _ = both(SOCIAL)
+    assert {Social, Human, Geometry} <= set(records_in(numba.typeof(lanes._episodes)))

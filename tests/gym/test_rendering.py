@@ -70,15 +70,17 @@ def test_the_viewer_needs_a_display(monkeypatch):
         gymnasium.make(NAVIGATION, render_mode="human")
 
 
-def rows_of(content, tmp_path, name):
-    """How many rows each entity of a recording has on the timeline, by its components."""
-    file = tmp_path / f"{name}.rrd"
+def rows_of(content, file):
+    """What a recording has of each entity, by step and component."""
     file.write_bytes(content)
-    counts = {}
+    rows = {}
     for chunk in RrdReader(file).stream().to_chunks():
-        entity = str(chunk.entity_path)
-        counts[entity] = counts.get(entity, 0) + chunk.num_rows
-    return counts
+        batch = chunk.to_record_batch()
+        names = [name for name in batch.schema.names if ":" in name]
+        for index, step in enumerate(batch.column("step").to_pylist() if "step" in batch.schema.names else ()):
+            told = rows.setdefault(str(chunk.entity_path), {}).setdefault(step, {})
+            told.update({name: batch.column(name)[index].as_py() for name in names})
+    return rows
 
 
 def test_a_growing_recording_ends_as_the_whole_one(tmp_path):
@@ -90,11 +92,14 @@ def test_a_growing_recording_ends_as_the_whole_one(tmp_path):
     for action in actions_of(environment, 12):
         environment.step(action)
         growing.draw(trial())
-    grown = rows_of(stream.read(flush=True), tmp_path, "grown")
-    whole = rows_of(record(trial()), tmp_path, "whole")
-    assert {entity: rows for entity, rows in grown.items() if not entity.startswith("/__")} == {
-        entity: rows for entity, rows in whole.items() if not entity.startswith("/__")
-    }
+    grown = rows_of(stream.read(flush=True), tmp_path / "grown.rrd")
+    whole = rows_of(record(trial()), tmp_path / "whole.rrd")
+    assert set(grown) == set(whole)
+    assert len(whole["/robot/place"][12]) > 1
+    for entity, rows in whole.items():
+        first = min(grown[entity])  # of lines nothing is sent before there are any
+        assert grown[entity] == {step: told for step, told in rows.items() if step >= first}, entity
+        assert all(not any(told.values()) for step, told in rows.items() if step < first), entity
 
 
 def test_rendering_without_a_mode_is_warned_of():
