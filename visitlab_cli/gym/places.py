@@ -178,8 +178,8 @@ def _checked_with(
     try:
         checked = load_text(json.dumps(config), CONFIG["name"])
     except ConfigError as error:
-        own = [problem for problem in error.problems if not str(problem["path"]).endswith(f".{LENGTH}")]
-        raise UsageError(*dict.fromkeys(map(_in_words, own))) from None
+        theirs = [problem for problem in error.problems if not str(problem["path"]).endswith(f".{LENGTH}")]
+        raise UsageError(*dict.fromkeys(map(_in_words, theirs))) from None
     except (TypeError, ValueError) as error:
         raise UsageError(f"settings must be plain values, as YAML has them: {error}") from None
     return checked.experiments[task], checked.interaction.distances, checked.humans[HUMAN].create()
