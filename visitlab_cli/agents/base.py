@@ -94,6 +94,10 @@ class AgentParameters(Kind):
         frozen: Player = _frozen_table()(self) if self.compiled() else _plain().FrozenPlain(self)
         return frozen
 
+    def planning_every(self, record: Any, steps: int) -> Any:
+        """The record that goes on with the same arrays and plans every so many steps; asked of one that `plans`."""
+        return record._replace(plan_every=steps)
+
     def forget_rewards(self, record: Any) -> None:
         """Let a planner's record plan on with no rewards until a pair is tried again; nothing to others."""
 

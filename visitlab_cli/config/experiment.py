@@ -1,13 +1,14 @@
 """What an experiment is to those who plan, run and tell of it: they ask it, and nobody asks of which kind it is."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
 
 from visitlab_cli.agents.base import AgentParameters, Saved, Setting
 from visitlab_cli.agents.exploration import Table
 from visitlab_cli.config.names import Module
+from visitlab_cli.config.phases import PHASES, Phase
 from visitlab_cli.settings import Settings
-from visitlab_cli.world.columns import MODULES
+from visitlab_cli.world.columns import ENGAGEMENT, MODULES
 from visitlab_cli.world.lab import Lab, paper_lab
 from visitlab_cli.world.tasks import TASKS, Task
 
@@ -33,6 +34,7 @@ class Experiment(Settings):
     task: str
     if TYPE_CHECKING:  # a field of each, in its own place and with its own default
         trial_steps: int
+        phases: tuple[Phase, ...]
 
     @property
     def plays(self) -> Task:
@@ -50,14 +52,29 @@ class Experiment(Settings):
         return "steps"
 
     @property
-    def n_steps(self) -> int:
-        """Steps of each of its cells."""
+    def replaced_by_phases(self) -> tuple[str, ...]:
+        """The settings that phases stand in place of."""
         raise NotImplementedError
+
+    @property
+    def declared_trials(self) -> int:
+        """Its trials where there are no phases."""
+        raise NotImplementedError
+
+    @property
+    def phase_trials(self) -> tuple[int, ...]:
+        """The trials of each phase; none where there are no phases."""
+        return tuple(phase.length(self.trial_steps) for phase in self.phases)
 
     @property
     def n_trials(self) -> int:
         """Trials of each of its cells."""
-        raise NotImplementedError
+        return sum(self.phase_trials) if self.phases else self.declared_trials
+
+    @property
+    def n_steps(self) -> int:
+        """Steps of each of its cells."""
+        return self.n_trials * self.trial_steps
 
     @property
     def trained(self) -> tuple[str, ...]:
@@ -66,8 +83,16 @@ class Experiment(Settings):
 
     @property
     def met(self) -> tuple[str, ...]:
-        """The names of the humans that are met in it, each in a cell of its own."""
-        return ()
+        """The names of the humans that are met in it, each in a cell of its own; `phases` where they are in turn."""
+        if not self.plays.has(ENGAGEMENT):
+            return ()
+        return (PHASES,) if self.phases else tuple(getattr(self, "humans", ()))
+
+    def humans_met(self, name: str) -> tuple[str, ...]:
+        """The humans of a cell by its one of `met`, each once, in the order in which they are met; '' has none."""
+        if name != PHASES or not self.phases:
+            return (name,) if name else ()
+        return tuple(dict.fromkeys(phase.met for phase in self.phases))
 
     @property
     def starts(self) -> dict[str, Module]:
@@ -89,16 +114,29 @@ class Experiment(Settings):
         return [(seed, seed) for seed in range(seeds)]
 
     def for_one_trial(self) -> Self:
-        """The same with a single trial."""
+        """The same with a single trial, or one in each phase."""
+        if not self.phases:
+            return self.with_trials(1)
+        return self.model_copy(update={"phases": tuple(phase.for_one_trial() for phase in self.phases)})
+
+    def with_trials(self, trials: int) -> Self:
+        """The same with so many trials and no phases."""
         raise NotImplementedError
 
-    def evaluated(self, trials: int | None, social: str) -> Self:
-        """The same with another number of trials or another social module, where these are given."""
+    def with_social(self, social: str) -> Self:
+        """The same with another social module, where it has one."""
         return self
+
+    def evaluated(self, trials: int | None, social: str, humans: Sequence[str] = ()) -> Self:
+        """The same with other trials, another social module, with these `humans` and so without phases, where given."""
+        found = self.with_social(social) if social else self
+        if trials is None and not (humans and self.phases):
+            return found
+        return found.with_trials(self.n_trials if trials is None else trials)
 
     def idle(self, agents: Mapping[str, AgentParameters]) -> tuple[str, ...]:
         """The settings that mean nothing as things stand, and so are not written."""
-        return ()
+        return self.replaced_by_phases if self.phases else (PHASES,)
 
     def with_whole_modules(self, experiments: "Mapping[str, Experiment]") -> Self:
         """The same with each module named in full, so that one setting has one spelling."""

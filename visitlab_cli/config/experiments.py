@@ -7,7 +7,8 @@ from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo, Wit
 
 from visitlab_cli.agents.base import AgentParameters, Saved, Setting
 from visitlab_cli.config.experiment import Experiment, Site
-from visitlab_cli.config.names import Module, ModuleName, Name, module
+from visitlab_cli.config.names import Module, ModuleName, Names, distinct, module
+from visitlab_cli.config.phases import SocialPhases, TrainingPhases, VisitPhases
 from visitlab_cli.humans.base import Probability
 from visitlab_cli.settings import Settings
 from visitlab_cli.simulation.visit import Visit as VisitTask
@@ -25,20 +26,6 @@ MOST_STEPS = 10**12
 N_ROOMS = paper_lab().n_rooms
 
 TRAINING_STEPS = 500_000
-
-
-def _distinct(entries: tuple[Any, ...]) -> tuple[Any, ...]:
-    seen: set[Any] = set()
-    for entry in entries:
-        if entry in seen:
-            raise ValueError(f"has {entry} twice")
-        seen.add(entry)
-    return entries
-
-
-Names = Annotated[
-    tuple[Name, ...], Field(min_length=1, json_schema_extra={"uniqueItems": True}), AfterValidator(_distinct)
-]
 Room = Annotated[int, Field(ge=0, lt=N_ROOMS)]
 
 
@@ -53,7 +40,7 @@ def _all_rooms(rooms: Any) -> Any:
 GoalRooms = Annotated[
     tuple[Room, ...],
     Field(min_length=2),
-    AfterValidator(_distinct),
+    AfterValidator(distinct),
     BeforeValidator(_all_rooms),
     WithJsonSchema(
         {
@@ -79,6 +66,7 @@ class Training(Experiment):
     steps: int = Field(
         default=TRAINING_STEPS, ge=1, le=MOST_STEPS, description="steps of training; a whole number of trials"
     )
+    phases: TrainingPhases
 
     @field_validator("steps")
     @classmethod
@@ -92,12 +80,12 @@ class Training(Experiment):
         return steps
 
     @property
-    def n_steps(self) -> int:
-        """As declared."""
-        return self.steps
+    def replaced_by_phases(self) -> tuple[str, ...]:
+        """Its steps."""
+        return ("steps",)
 
     @property
-    def n_trials(self) -> int:
+    def declared_trials(self) -> int:
         """As many as the steps make."""
         return self.steps // self.trial_steps
 
@@ -106,9 +94,9 @@ class Training(Experiment):
         """As declared."""
         return self.agents
 
-    def for_one_trial(self) -> Self:
-        """The same with a single trial."""
-        return self.model_copy(update={"steps": self.trial_steps})
+    def with_trials(self, trials: int) -> Self:
+        """Its steps are so many trials'."""
+        return self.model_copy(update={"steps": trials * self.trial_steps, "phases": ()})
 
 
 class NavigationTraining(Training):
@@ -138,7 +126,8 @@ class SocialTraining(Training):
     """Learn to win a human's attention and to lead it in a desired direction."""
 
     task: Literal["social"]
-    humans: Names = Field(description="the humans, each met by an agent of its own")
+    phases: SocialPhases
+    humans: Names = Field(default=(), validate_default=False, description="the humans, each met by an agent of its own")
     arena: int = Field(default=ARENA, ge=2, le=10_000, description="side of the square world, in cells")
     direction_change: Probability = Field(
         default=DIRECTION_CHANGE, description="probability that the desired direction is redrawn after a step"
@@ -158,9 +147,9 @@ class SocialTraining(Training):
         return start_from
 
     @property
-    def met(self) -> tuple[str, ...]:
-        """As declared."""
-        return self.humans
+    def replaced_by_phases(self) -> tuple[str, ...]:
+        """Its steps and its human."""
+        return "humans", "steps"
 
     @property
     def starts(self) -> dict[str, Module]:
@@ -168,8 +157,8 @@ class SocialTraining(Training):
         return {} if self.start_from is None else {SOCIAL: module(self.start_from)}
 
     def idle(self, agents: Mapping[str, AgentParameters]) -> tuple[str, ...]:
-        """`start_from` where it starts with nothing."""
-        return ("start_from",) if self.start_from is None else ()
+        """Also `start_from` where it starts with nothing."""
+        return (*super().idle(agents), *(("start_from",) if self.start_from is None else ()))
 
     def task_in(self, site: Site) -> Social:
         """In an arena of its own."""
@@ -191,7 +180,9 @@ class Visit(Experiment):
 
     task: Literal["visit"]
     modules: Modules = Field(description="which trained modules play")
-    humans: Names = Field(description="the humans that are visited, each by a copy of the modules")
+    humans: Names = Field(
+        default=(), validate_default=False, description="the humans that are visited, each by a copy of the modules"
+    )
     trials: int = Field(default=1000, ge=1, le=10**9, description="trials of a visit")
     trial_steps: int = Field(default=VISIT_TRIAL_STEPS, ge=1, le=10**6, description="steps in a trial")
     plan_every: int = Field(
@@ -217,6 +208,7 @@ class Visit(Experiment):
     social_reward: Literal["social", "none"] = Field(
         default="social", description="what the social module learns from during the visit"
     )
+    phases: VisitPhases
 
     @property
     def counted_in(self) -> str:
@@ -224,19 +216,14 @@ class Visit(Experiment):
         return "trials"
 
     @property
-    def n_steps(self) -> int:
-        """As many as the trials have."""
-        return self.trials * self.trial_steps
+    def replaced_by_phases(self) -> tuple[str, ...]:
+        """Its trials and its human."""
+        return "humans", "trials"
 
     @property
-    def n_trials(self) -> int:
+    def declared_trials(self) -> int:
         """As declared."""
         return self.trials
-
-    @property
-    def met(self) -> tuple[str, ...]:
-        """As declared."""
-        return self.humans
 
     @property
     def starts(self) -> dict[str, Module]:
@@ -259,25 +246,25 @@ class Visit(Experiment):
             return [(seed, model) for model in range(seeds) for seed in range(seeds)]
         return [(seed, 0 if self.models == "first" else seed) for seed in range(seeds)]
 
-    def for_one_trial(self) -> Self:
-        """The same with a single trial."""
-        return self.model_copy(update={"trials": 1})
+    def with_trials(self, trials: int) -> Self:
+        """So many trials."""
+        return self.model_copy(update={"trials": trials, "phases": ()})
 
-    def evaluated(self, trials: int | None, social: str) -> Self:
-        """With other `trials`, with another social module."""
-        modules = self.modules.model_copy(update={"social": social or self.modules.social})
-        return self.model_copy(update={"trials": self.trials if trials is None else trials, "modules": modules})
+    def with_social(self, social: str) -> Self:
+        """With another social module."""
+        return self.model_copy(update={"modules": self.modules.model_copy(update={"social": social})})
 
     def idle(self, agents: Mapping[str, AgentParameters]) -> tuple[str, ...]:
-        """The planning options where the social module does not plan."""
-        return () if agents[self.starts[SOCIAL].agent].plans else self.planning_options
+        """Also the planning options where the social module does not plan."""
+        plans = agents[self.starts[SOCIAL].agent].plans
+        return (*super().idle(agents), *(() if plans else self.planning_options))
 
     def with_whole_modules(self, experiments: Mapping[str, Experiment]) -> Self:
         """With the human that the social module was trained with."""
         social = self.starts[SOCIAL]
         if social.human is not None:
             return self
-        return self.evaluated(None, f"{self.modules.social}/{experiments[social.experiment].met[0]}")
+        return self.with_social(f"{self.modules.social}/{experiments[social.experiment].met[0]}")
 
     def task_in(self, site: Site) -> VisitTask:
         """The visit in the lab, with the Q of navigation and go_to_human."""

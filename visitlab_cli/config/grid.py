@@ -147,8 +147,8 @@ def with_checked_grid(config: Config, document: Node) -> Config:
 
 
 def _cells(experiment: Any, seeds: int) -> int:
-    models = seeds if getattr(experiment, "models", None) == "crossed" else 1
-    return len(getattr(experiment, "agents", "1")) * len(getattr(experiment, "humans", "1")) * models * seeds
+    models = seeds if experiment.crossed else 1
+    return max(1, len(experiment.trained)) * max(1, len(experiment.met)) * models * seeds
 
 
 def _checked_path(frame: _Frame, path: str) -> tuple[tuple[Any, ...], list[Issue]]:

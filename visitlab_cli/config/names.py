@@ -1,8 +1,8 @@
 """The names that a config gives to humans, agents and experiments, and how one is referred to."""
 
-from typing import Annotated, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
-from pydantic import Field
+from pydantic import AfterValidator, Field
 
 NAME_RULE = "a name has 1 to 64 of A-Z a-z 0-9 . _ - and starts with a letter or digit"
 _NAME = r"[A-Za-z0-9][A-Za-z0-9._-]{0,63}"
@@ -14,6 +14,21 @@ Name = Annotated[str, Field(pattern=NAME_PATTERN)]
 """Safe as the name of a folder: no separators, no leading dot or dash, at most 64 characters."""
 
 ModuleName = Annotated[str, Field(pattern=MODULE_PATTERN)]
+
+
+def distinct(entries: tuple[Any, ...]) -> tuple[Any, ...]:
+    """The entries, if none of them is there twice; else a ValueError."""
+    seen: set[Any] = set()
+    for entry in entries:
+        if entry in seen:
+            raise ValueError(f"has {entry} twice")
+        seen.add(entry)
+    return entries
+
+
+Names = Annotated[
+    tuple[Name, ...], Field(min_length=1, json_schema_extra={"uniqueItems": True}), AfterValidator(distinct)
+]
 
 RESERVED_EXPERIMENTS = ("config.yaml", "versions.json", "evaluations", "failures", "figures", "report.html")
 """What else lies in a run folder beside the experiments' own folders."""

@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 from visitlab_cli.agents.base import AgentParameters
 from visitlab_cli.config.experiments import MODULE_TASKS, SocialTraining, Visit
 from visitlab_cli.config.names import module
+from visitlab_cli.config.phases import PHASES, wrong_phases
 from visitlab_cli.humans.base import HumanParameters
 from visitlab_cli.settings import key_of
 from visitlab_cli.wording import or_else, printable
@@ -37,13 +38,21 @@ def issues(declared: Declared) -> list[Issue]:
         if getattr(experiment, "start_from", None) is not None:
             messages = _start(name, experiment, experiment.start_from, declared)
             found += [Issue((*path, "start_from"), message) for message in messages]
-        if experiment is not None and experiment.met:
-            found += _each_declared("human", (*path, "humans"), experiment.humans, declared.humans)
+        if experiment is not None:
+            players = (declared.agents.get(agent) for agent in _acting(experiment))
+            found += wrong_phases(path, experiment, declared.humans, [each for each in players if each is not None])
+            humans = getattr(experiment, "humans", ())
+            found += _each_declared("human", (*path, "humans"), humans, declared.humans)
         if experiment is not None and experiment.assembled:
             found += _visit(path, experiment, declared)
     for cell in declared.expected:
         found += _expected(cell, declared)
     return found
+
+
+def _acting(experiment: Any) -> Sequence[str]:
+    """The names of the agents that act in an experiment."""
+    return [experiment.starts[SOCIAL].agent] if experiment.assembled else experiment.agents
 
 
 def _same_folder(section: str, entries: Iterable[str]) -> Iterator[Issue]:
@@ -143,7 +152,7 @@ def _start(name: str, training: SocialTraining, text: str, declared: Declared) -
     experiment_name, agent, human = module(text)
     other = declared.experiments[experiment_name]
     if human is None and other is not None:
-        yield f"say with which human: {text}/{other.humans[0]}"
+        yield f"say with which human: {text}/{(*other.met, 'HUMAN')[0]}"
     circle = _circle(name, declared.experiments)
     if circle:
         yield f"goes round in a circle: {' -> '.join(circle)}"
@@ -169,7 +178,7 @@ def _circle(name: str, experiments: Mapping[str, Any]) -> list[str]:
 
 
 def _module_human(text: str, human: str | None, experiment: Any) -> Iterator[str]:
-    humans = getattr(experiment, "humans", ())
+    humans = experiment.met
     if human is None and len(humans) > 1:
         yield f"say with which human: {' or '.join(f'{text}/{name}' for name in humans)}"
     elif human is not None and not humans:
@@ -188,9 +197,10 @@ def _expected(cell: str, declared: Declared) -> Iterator[Issue]:
     experiment = declared.experiments[name]
     if experiment is None:
         return
-    levels = [getattr(experiment, level) for level in ("agents", "humans") if hasattr(experiment, level)]
+    levels = [names for names in (experiment.trained, experiment.met) if names]
     if len(parts) != len(levels):
-        form = "/".join([name, *(level for level in ("agent", "human") if hasattr(experiment, f"{level}s"))])
+        words = [("agent", experiment.trained), ("human", experiment.met)]
+        form = "/".join([name, *(PHASES if names == (PHASES,) else word for word, names in words if names)])
         yield Issue(path, f"must be {form}", at="key")
         return
     for part, names in zip(parts, levels, strict=True):

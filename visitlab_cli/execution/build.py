@@ -13,18 +13,34 @@ from visitlab_cli.plan.saved import setting_of
 from visitlab_cli.world.tasks import SOCIAL, TASKS
 
 
-class Simulation(NamedTuple):
-    """What the loop plays, and the parameters that know how to save the agent."""
+class Stretch(NamedTuple):
+    """What the loop plays until a step of the cell; the agents of all stretches share their arrays."""
 
     task: Any
     agent: Any
+    until: int
+
+
+class Simulation(NamedTuple):
+    """One stretch, or one for each phase, and the parameters that know how to save the agent."""
+
+    stretches: list[Stretch]
     parameters: Player
-    steps: int
     trials: int
+
+    @property
+    def agent(self) -> Any:
+        """The agent that lives through all of it."""
+        return self.stretches[-1].agent
+
+    @property
+    def steps(self) -> int:
+        """Steps of the whole cell."""
+        return self.stretches[-1].until
 
 
 def build(cell: Cell, models: Mapping[str, Saved]) -> Simulation:
-    """The task and agent of a cell, from the arrays of the modules that it needs, by the module's name.
+    """The tasks and the agent of a cell, from the arrays of the modules that it needs, by the module's name.
 
     Raises:
         RunError: a model does not have the shape that its task asks for.
@@ -40,8 +56,10 @@ def build(cell: Cell, models: Mapping[str, Saved]) -> Simulation:
         shape = expected if table is None else table.shape
         if shape != expected:
             raise RunError(f"{cell.path}: the {module} model has a table of {shape}, not {expected}")
-    human = config.humans[cell.human].create() if cell.human else None
-    task = settings.task_in(Site(lab, human, config.interaction.distances, tables))
+    humans = {name: config.humans[name].create() for name in cell.humans} or {"": None}
+    tasks = {
+        name: settings.task_in(Site(lab, human, config.interaction.distances, tables)) for name, human in humans.items()
+    }
     learner = settings.parameters_of(config.agents[cell.agent])
     parameters: Player = cell.player if cell.frozen else learner
     setting = setting_of(cell)
@@ -52,4 +70,12 @@ def build(cell: Cell, models: Mapping[str, Saved]) -> Simulation:
         agent = settings.restored(learner, setting, models[SOCIAL])
     else:
         agent = learner.create(setting)
-    return Simulation(task, agent, parameters, settings.n_steps, settings.n_trials)
+    if not settings.phases:
+        return Simulation([Stretch(*tasks.values(), agent, settings.n_steps)], parameters, settings.n_trials)
+    stretches, until = [], 0
+    for phase, trials in zip(settings.phases, settings.phase_trials, strict=True):
+        until += trials * settings.trial_steps
+        replans = phase.plan_every is not None and learner.plans and not cell.frozen
+        player = learner.planning_every(agent, phase.plan_every) if replans else agent
+        stretches.append(Stretch(tasks[phase.met], player, until))
+    return Simulation(stretches, parameters, settings.n_trials)

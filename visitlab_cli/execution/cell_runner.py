@@ -60,7 +60,9 @@ def _run_cell(run: Path, cell: Cell, report: Report) -> None:
                 report(steps)
 
             trial_rewards, playing = simulate(simulation, random, record, alive)
-        write_trials(new.folder / TRIALS, trial_rewards, with_goals=cell.settings.plays.counts_goals)
+        settings = cell.settings
+        goals, phases = settings.plays.counts_goals, settings.phase_trials
+        write_trials(new.folder / TRIALS, trial_rewards, with_goals=goals, phase_trials=phases)
         write_model(new.folder / MODEL, saved_model(simulation, random))
         seconds = time.perf_counter() - started
         new.commit(facts_of(cell, trial_rewards), _timing(start, seconds, cell.steps / playing))
@@ -77,19 +79,19 @@ def simulate(
     columns = empty_columns(BLOCK_ROWS)
     trial_rewards = np.zeros(simulation.trials)
     cursor, playing = START, 0.0
-    while cursor.steps < simulation.steps:
-        begun = time.perf_counter()
-        try:
-            cursor, rows = play(
-                simulation.task, simulation.agent, cursor, simulation.steps, random, columns, trial_rewards
-            )
-        except RuntimeError:
-            if failure := failure_in(simulation.agent, simulation.task.trial_steps):
-                raise failure from None
-            raise
-        playing += time.perf_counter() - begun
-        record(columns, rows)
-        report(cursor.steps)
+    for number, (task, agent, until) in enumerate(simulation.stretches):
+        columns.phase[:] = number
+        while cursor.steps < until:
+            begun = time.perf_counter()
+            try:
+                cursor, rows = play(task, agent, cursor, until, random, columns, trial_rewards)
+            except RuntimeError:
+                if failure := failure_in(agent, task.trial_steps):
+                    raise failure from None
+                raise
+            playing += time.perf_counter() - begun
+            record(columns, rows)
+            report(cursor.steps)
     return trial_rewards, playing
 
 
@@ -107,7 +109,12 @@ def _recorder(cell: Cell, file: Path) -> Iterator[Record]:
     }
     document = hashed_yaml(cell.config).encode()
     with StepRecorder(
-        file, cell.task, attributes=attributes, config_yaml=document, one_trial_in=one_trial_in
+        file,
+        cell.task,
+        attributes=attributes,
+        config_yaml=document,
+        one_trial_in=one_trial_in,
+        phased=bool(cell.settings.phases),
     ) as recorder:
         yield recorder.write
 

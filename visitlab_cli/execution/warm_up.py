@@ -51,7 +51,7 @@ def _warm_up(cells: Sequence[Cell], say: Callable[[str], None]) -> None:
             simulation = _one_step(cell)
         except AgentFailedError:
             continue  # the cell fails alone, and tells it
-        place = place_of(records_in((simulation.task, simulation.agent)))
+        place = place_of(records_in([(stretch.task, stretch.agent) for stretch in simulation.stretches]))
         marker = None if place.folder is None else place.folder / (COMPILED + name)
         if not announced and (marker is None or not marker.exists()):
             announced = True
@@ -75,7 +75,7 @@ def _pair(cell: Cell) -> str:
     started = bool(cell.modules) and not cell.settings.assembled  # an observer that goes on is of another type
     kinds = [cell.task, agent.kind, "frozen" if cell.frozen else "", "started" if started else ""]
     kinds += [cell.config.agents[getattr(agent, other)].kind for other in agent.references]
-    kinds += [kind(cell.config.humans[cell.human])] if cell.human else []
+    kinds += dict.fromkeys(kind(cell.config.humans[human]) for human in cell.humans)
     return "-".join(filter(None, kinds))
 
 
@@ -90,7 +90,9 @@ def _forget(columns: StepColumns, rows: int) -> None:
 def _one_step(cell: Cell) -> Simulation:
     experiments = {**cell.config.experiments, cell.experiment: cell.settings.for_one_trial()}
     short = replace(cell, config=cell.config.model_copy(update={"experiments": experiments}))
-    return build(short, _empty_models(cell))._replace(steps=1)
+    found = build(short, _empty_models(cell))
+    stretches = [stretch._replace(until=step) for step, stretch in enumerate(found.stretches, 1)]
+    return found._replace(stretches=stretches)
 
 
 def _empty_models(cell: Cell) -> dict[str, Saved]:

@@ -103,7 +103,8 @@ class Log:
         self.has_steps, self.has_trials = map(self._all.has_topic, (STEP_TOPIC, TRIAL_TOPIC))
         self.attributes = self._checked(attributes) if attributes is not None else self._guessed()
         task = self.attributes[TASK]
-        self.step_layout, self.trial_layout = layout_of(STEP, task), layout_of(TRIAL, task)
+        self.step_layout = layout_of(STEP, task, phased=self._all.tell_phases)
+        self.trial_layout = layout_of(TRIAL, task)
         self.own_block = lru_cache(CHUNKS_KEPT)(self._own_block)
 
     def _define(self, definition: Schema | Channel) -> None:

@@ -16,7 +16,7 @@ from google.protobuf.descriptor_pb2 import (
     FileDescriptorSet,
 )
 
-from visitlab_cli.world.columns import ALWAYS, BOOL, COLUMNS, ENUM, FIXED32, FLOAT, MODULES, UINT32, Column
+from visitlab_cli.world.columns import ALWAYS, BOOL, COLUMNS, ENUM, FIXED32, FLOAT, MODULES, PHASES, UINT32, Column
 from visitlab_cli.world.tasks import TASK_NAMES, tasks_with
 
 FORMAT = "1"
@@ -49,26 +49,28 @@ PROTOBUF_TYPES = {
 }
 
 
-def file_descriptor() -> FileDescriptorProto:
-    """The schema of the log as one .proto file."""
+def file_descriptor(*, phased: bool = False) -> FileDescriptorProto:
+    """The schema of the log as one .proto file; `phased`: of a log that tells phases."""
     return FileDescriptorProto(
         name="visitlab.proto",
         package=PACKAGE,
         syntax="proto3",
-        message_type=[message_descriptor(name) for name in TABLES],
+        message_type=[message_descriptor(name, phased=phased) for name in TABLES],
         enum_type=[_enum_descriptor(enum) for enum in _enums()],
     )
 
 
-def schema_bytes() -> bytes:
+def schema_bytes(*, phased: bool = False) -> bytes:
     """The schema as MCAP carries it: a serialised FileDescriptorSet."""
-    return FileDescriptorSet(file=[file_descriptor()]).SerializeToString(deterministic=True)
+    return FileDescriptorSet(file=[file_descriptor(phased=phased)]).SerializeToString(deterministic=True)
 
 
-def message_descriptor(message: str) -> DescriptorProto:
-    """The descriptor of the message `STEP` or `TRIAL`."""
+def message_descriptor(message: str, *, phased: bool = False) -> DescriptorProto:
+    """The descriptor of the message `STEP` or `TRIAL`; `phased` as `file_descriptor` says."""
     descriptor = DescriptorProto(name=message)
     for index, column in enumerate(TABLES[message]):
+        if column.part == PHASES and not phased:
+            continue  # a log without phases has the schema that it always had
         descriptor.field.add(
             name=column.name,
             number=index + 1,
@@ -99,7 +101,9 @@ def proto_text() -> str:
 
 
 def tasks_in_words(column: Column) -> str:
-    """Which tasks have a column: `all`, or their names."""
+    """Which tasks have a column: `all`, or their names; or that it is there with phases only."""
+    if column.part == PHASES:
+        return "with phases"
     tasks = tasks_with(column.part)
     return "all" if tasks == TASK_NAMES else ", ".join(tasks)
 

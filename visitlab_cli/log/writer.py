@@ -46,6 +46,7 @@ class StepRecorder:
         attributes: the cell's metadata; `format`, `task` and `one_trial_in` are added.
         config_yaml: the cell's config, attached.
         one_trial_in: record the trials 0, n, 2n, ... only; their steps are numbered on without gaps.
+        phased: record also which phase a step is of.
 
     Raises:
         RunError: the file cannot be written.
@@ -59,10 +60,11 @@ class StepRecorder:
         attributes: dict[str, str],
         config_yaml: bytes,
         one_trial_in: int = 1,
+        phased: bool = False,
     ):
         self._path = path
         self._one_trial_in = one_trial_in
-        self._step_layout = layout_of(STEP, task)
+        self._step_layout = layout_of(STEP, task, phased=phased)
         self._trial_layout = layout_of(TRIAL, task)
         self._chunk = self._step_layout.blank(CHUNK_STEPS)
         self._filled = 0
@@ -77,8 +79,9 @@ class StepRecorder:
         with self._writing():
             self._file.write_metadata(METADATA_NAME, dict(sorted((attributes | added).items())))
             self._file.write_attachment(CONFIG_NAME, CONFIG_MEDIA_TYPE, config_yaml)
-            self._file.write_channel(STEP_CHANNEL, STEP_TOPIC, f"{PACKAGE}.{STEP}", schema_bytes())
-            self._file.write_channel(TRIAL_CHANNEL, TRIAL_TOPIC, f"{PACKAGE}.{TRIAL}", schema_bytes())
+            schema = schema_bytes(phased=phased)
+            self._file.write_channel(STEP_CHANNEL, STEP_TOPIC, f"{PACKAGE}.{STEP}", schema)
+            self._file.write_channel(TRIAL_CHANNEL, TRIAL_TOPIC, f"{PACKAGE}.{TRIAL}", schema)
             self._file.flush()
 
     def write(self, columns: StepColumns, rows: int) -> None:

@@ -55,8 +55,13 @@ class Cell:
             getattr(self.config.agents[name], field) for name in agents for field in self.config.agents[name].references
         }
         taking_part = {f"agents.{name}": self.config.agents[name].absent for name in sorted(agents)}
-        taking_part |= {f"humans.{self.human}": self.config.humans[self.human].absent} if self.human else {}
+        taking_part |= {f"humans.{name}": self.config.humans[name].absent for name in self.humans}
         return {path: why for path, why in taking_part.items() if why}
+
+    @property
+    def humans(self) -> tuple[str, ...]:
+        """The names of the humans that it meets: `human`, or those of its phases; none where there is none."""
+        return self.settings.humans_met(self.human)
 
     @property
     def settings(self) -> Experiment:
@@ -182,8 +187,7 @@ def _used(config: Config, place: Module) -> set[str]:
         parameters = config.agents[place.agent]
         others = (getattr(parameters, reference) for reference in parameters.references)
         used |= {f"agents.{agent}" for agent in (place.agent, *others)}
-    if place.human:
-        used.add(f"humans.{place.human}")
+    used |= {f"humans.{human}" for human in settings.humans_met(place.human or "")}
     if HUMAN in settings.plays.parts:
         used.add(INTERACTION)
     return used.union(*(_used(config, start) for start in settings.starts.values()))

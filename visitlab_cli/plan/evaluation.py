@@ -45,9 +45,9 @@ class Evaluation:
 
     def applied(self, config: Config, experiment: str) -> Config:
         """The config with these options for an `experiment`; the same where there are none that its settings say."""
-        if self.trials is None and not self.social:
+        if self.trials is None and not self.social and not self.humans:
             return config
-        settings = config.experiments[experiment].evaluated(self.trials, self.social)
+        settings = config.experiments[experiment].evaluated(self.trials, self.social, self.humans)
         return config.model_copy(update={"experiments": {**config.experiments, experiment: settings}})
 
     def as_json(self) -> dict[str, Any]:

@@ -108,7 +108,7 @@ def modules_of(run: Path, cell: Cell) -> dict[str, Arrays]:
 
 
 def trials_of(run: Path, cell: Cell, *, as_planned: bool = False) -> Arrays:
-    """The trials of a finished cell: `trial`, `reward`, in a visit `goals`, each of shape (trials,).
+    """The trials of a finished cell: `trial`, `reward`, in a visit `goals`, with phases `phase`, each (trials,).
 
     Args:
         run: the run's folder.
@@ -119,4 +119,7 @@ def trials_of(run: Path, cell: Cell, *, as_planned: bool = False) -> Arrays:
         NotFoundError: they are missing.
         RunError: they are damaged, or others than the plan says.
     """
-    return read_trials(run / cell.path / TRIALS, cell.trials if as_planned else None, cell.settings.plays.counts_goals)
+    goals, phases = cell.settings.plays.counts_goals, cell.settings.phase_trials
+    if not as_planned:
+        return read_trials(run / cell.path / TRIALS, None, goals)
+    return read_trials(run / cell.path / TRIALS, cell.trials, goals, phases)

@@ -32,10 +32,9 @@ def _declared(config: Config, options: Evaluation) -> bool:
     names = {*options.humans}
     if options.social:
         social = module(options.social)
-        names.add(social.human or "")
         training = config.experiments.get(social.experiment)
         if training is None or social.agent not in training.trained:
             return False
-        if social.human is not None and social.human not in training.met:
+        if social.human not in training.met:
             return False
     return names <= set(config.humans)

@@ -1,6 +1,6 @@
 """A model's arrays and the table of trials as files, written the same for the same content, read with care."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -18,8 +18,8 @@ __all__ = ["Arrays", "damaged", "read_model", "read_trials", "write_model", "wri
 MOST_TRIALS = 256 << 20
 """Bytes of a table of trials."""
 LARGEST_REWARD = 1e12
-COLUMNS = {"trial": "<i4", "reward": "<f8", "goals": "<i4"}
-"""Those of `trials.parquet`; only a visit has `goals`."""
+COLUMNS = {"trial": "<i4", "reward": "<f8", "goals": "<i4", "phase": "<i4"}
+"""Those of `trials.parquet`; only a visit has `goals`, and `phase` is only where there are phases."""
 
 
 def damaged(file: Path, why: str) -> RunError:
@@ -64,8 +64,10 @@ def read_model(file: Path, declared: Mapping[str, Declared] | None = None) -> Ar
     return arrays
 
 
-def write_trials(file: Path, trial_rewards: npt.NDArray[np.float64], with_goals: bool) -> None:
-    """Write `trials.parquet`: one row a trial, `trial`, `reward` and in a visit `goals`."""
+def write_trials(
+    file: Path, trial_rewards: npt.NDArray[np.float64], with_goals: bool, phase_trials: Sequence[int] = ()
+) -> None:
+    """Write `trials.parquet`: a row a trial, `trial`, `reward`, in a visit `goals`, `phase` if phases have trials."""
     import pyarrow
     from pyarrow import parquet
 
@@ -75,6 +77,8 @@ def write_trials(file: Path, trial_rewards: npt.NDArray[np.float64], with_goals:
     }
     if with_goals:
         columns["goals"] = trial_rewards.astype(np.int32)
+    if phase_trials:
+        columns["phase"] = _numbered(phase_trials)
     # from buffers: given a numpy array, pyarrow would import pandas where it is installed, at 45 MB a worker
     arrays = [
         pyarrow.Array.from_buffers(
@@ -85,13 +89,23 @@ def write_trials(file: Path, trial_rewards: npt.NDArray[np.float64], with_goals:
     parquet.write_table(pyarrow.table(arrays, names=list(columns)), file, compression="snappy", data_page_version="1.0")
 
 
-def read_trials(file: Path, trials: int | None = None, with_goals: bool | None = None) -> Arrays:
+def _numbered(phase_trials: Sequence[int]) -> npt.NDArray[np.int32]:
+    return np.repeat(np.arange(len(phase_trials), dtype=np.int32), phase_trials)
+
+
+def read_trials(
+    file: Path,
+    trials: int | None = None,
+    with_goals: bool | None = None,
+    phase_trials: Sequence[int] | None = None,
+) -> Arrays:
     """The columns of `trials.parquet`, each of shape (trials,).
 
     Args:
         file: the table.
         trials: how many there must be, where that is known.
         with_goals: whether it has a column `goals`, where that is known.
+        phase_trials: the trials of each phase, where these are known; empty for no column `phase`.
 
     Raises:
         NotFoundError: there is no such file.
@@ -99,9 +113,16 @@ def read_trials(file: Path, trials: int | None = None, with_goals: bool | None =
     """
     try:
         content = read_bytes(file, MOST_TRIALS)
-        found = decode(content, COLUMNS, optional=() if with_goals else ("goals",), rows=trials)
+        optional = {name for name, needed in (("goals", with_goals), ("phase", phase_trials)) if not needed}
+        found = decode(content, COLUMNS, optional=optional, rows=trials)
         if with_goals is False and "goals" in found:
             raise ValueError("has goals, which its task has not")
+        if (
+            phase_trials is not None
+            and "phase" in found
+            and not np.array_equal(found["phase"], _numbered(phase_trials))
+        ):
+            raise ValueError("its phases are not those of its config")
         _check_trials(found)
     except FileNotFoundError:
         raise NotFoundError(f"{printable(str(file))}: no such table of trials") from None
@@ -118,3 +139,5 @@ def _check_trials(found: Arrays) -> None:
         raise ValueError("has a reward that is no number, or too large")
     if "goals" in found and (found["goals"] != np.trunc(rewards)).any():
         raise ValueError("its goals are not its rewards")
+    if "phase" in found and (found["phase"][0] != 0 or not np.isin(np.diff(found["phase"]), (0, 1)).all()):
+        raise ValueError("its phases are not numbered from 0 on")

@@ -14,6 +14,8 @@ from visitlab_cli.world.enums import DISTANCE_NAMES, Action, Direction, Interact
 
 ALWAYS, HUMAN, ENGAGEMENT, GOAL, MODULES = "always", "human", "engagement", "goal", "modules"
 """What there may be in a task, and so what its log has columns for."""
+PHASES = "phases"
+"""What there may be in an experiment of any task: only then does its log have the columns for it."""
 
 FIXED32, FLOAT, BOOL, UINT32, ENUM = "fixed32", "float", "bool", "uint32", "enum"
 DTYPES = {FIXED32: np.uint32, FLOAT: np.float32, BOOL: np.bool_, UINT32: np.uint8, ENUM: np.uint8}
@@ -66,6 +68,7 @@ class StepColumns(NamedTuple):
     goal_room: Annotated[
         Bytes, Column(UINT32, GOAL, "number of the room, 0..8 in the paper's lab: row by row from the north-west")
     ]
+    phase: Annotated[Bytes, Column(UINT32, PHASES, "number of the phase, from 0")]
 
 
 def _columns() -> tuple[Column, ...]:

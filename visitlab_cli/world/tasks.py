@@ -75,7 +75,7 @@ class Task:
 
     @property
     def columns(self) -> tuple[Column, ...]:
-        """The columns that its log has, in their order."""
+        """The columns that its log always has, in their order."""
         return tuple(column for column in COLUMNS if column.part in self.parts)
 
     def size(self, lab: Rooms) -> TaskSize:
