@@ -20,6 +20,7 @@ from visitlab_cli.results.evaluated import evaluated
 from visitlab_cli.results.export import results_table
 from visitlab_cli.results.groups import point_of
 from visitlab_cli.results.metrics import group_metrics
+from visitlab_cli.results.phases import FIRST, phase_results
 from visitlab_cli.results.summary import summaries
 from visitlab_cli.results.tables import Reader, model_of, stacked, steps_of, trials_of
 from visitlab_cli.storage.arrays import Arrays
@@ -54,7 +55,7 @@ class LoadedCell:
 
     @property
     def trials(self) -> Arrays:
-        """`trial`, `reward`, in a visit `goals`, each of shape (trials,)."""
+        """`trial`, `reward`, in a visit `goals`, with phases `phase`, each of shape (trials,)."""
         return trials_in(self._run, self._planned)
 
     @property
@@ -117,7 +118,7 @@ class LoadedRun:
         return results_table(summaries(self.path, self._plan)).to_pandas()
 
     def trials(self, **wanted: str | int) -> Any:
-        """A data frame with a row a trial: `trial`, `reward`, in visits `goals`."""
+        """A data frame with a row a trial: `trial`, `reward`, in visits `goals`, with phases `phase`."""
         return self._frame(trials_of, wanted)
 
     def steps(self, columns: Sequence[str] | None = None, **wanted: str | int) -> Any:
@@ -128,10 +129,19 @@ class LoadedRun:
         """A data frame with a row a state and action: `state`, `action`, `q`, `visits`, `reward_sums`."""
         return self._frame(model_of, wanted)
 
-    def metrics(self, **wanted: str | int) -> Any:
-        """A data frame with a row for each group and metric: what `visitlab metrics` shows (docs/metrics.md)."""
+    def phases(self, first: int = FIRST, **wanted: str | int) -> Any:
+        """A data frame with a row for each group and phase: what `visitlab compare --by phase` shows (docs/phases.md)."""
         chosen = {cell.path for cell in self.select(**wanted)}
-        groups = group_metrics(self.path, [cell for cell in self._plan if cell.path in chosen])
+        found = phase_results(self.path, [cell for cell in self._plan if cell.path in chosen], first)
+        return _pandas().DataFrame([each.as_row() for each in found])
+
+    def metrics(self, first: int = FIRST, **wanted: str | int) -> Any:
+        """A data frame with a row for each group and metric: what `visitlab metrics` shows (docs/metrics.md).
+
+        Where there are phases, a row for the `first` trials of each and one for the rest.
+        """
+        chosen = {cell.path for cell in self.select(**wanted)}
+        groups = group_metrics(self.path, [cell for cell in self._plan if cell.path in chosen], first)
         rows = [row for each in groups for row in each.as_rows()]
         for row in rows:
             row["low"], row["high"] = row.pop("interval") or (None, None)

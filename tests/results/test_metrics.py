@@ -12,7 +12,7 @@ import visitlab_cli
 from tests.program import visitlab
 from visitlab_cli.log.reader import read_steps
 from visitlab_cli.plan.cells import plan
-from visitlab_cli.results.metrics import METRICS, distances_to, measured, metrics_of
+from visitlab_cli.results.metrics import METRICS, WHOLE, distances_to, measured, metrics_of
 from visitlab_cli.storage.run_folder import read_config
 from visitlab_cli.world.enums import DISTANCE_NAMES
 from visitlab_cli.world.lab import make_lab, paper_lab
@@ -88,7 +88,7 @@ def plainly(steps):
 @pytest.mark.parametrize("path", CELLS)
 def test_each_number_is_what_a_plain_reading_of_the_log_says(tiny_run, path):
     (cell,) = [cell for cell in plan(read_config(tiny_run)) if cell.path == path]
-    found = {name: value for name, value in metrics_of(tiny_run, cell).items() if not math.isnan(value)}
+    found = {name: value for name, value in metrics_of(tiny_run, cell)[WHOLE].items() if not math.isnan(value)}
     efficiency = found.pop("path_efficiency", 1.0)
     assert found == pytest.approx(plainly(read_steps(tiny_run / path / "steps.mcap")))
     assert 0 < efficiency <= 1

@@ -11,7 +11,7 @@ import typer
 
 from visitlab_cli.console import completion
 from visitlab_cli.console.help import Help
-from visitlab_cli.console.options import RUNS, Json, Out, Run
+from visitlab_cli.console.options import RUNS, First, Json, Out, Run
 from visitlab_cli.console.words import aligned
 from visitlab_cli.terminal import tell, tell_json, tell_text
 
@@ -46,13 +46,14 @@ def command(
         str | None,
         typer.Option(
             metavar="KEY",
-            help="Compare agents, humans, or a setting that varies: agent, human, its path.",
+            help="Compare agents, humans, phases, or a setting that varies: agent, human, phase, its path.",
             autocompletion=completion.varied,
         ),
     ] = None,
     variant: Annotated[
         list[str] | None, typer.Option(help="Look for causes in this run, too; may be repeated.", metavar="RUN")
     ] = None,
+    first: First = 20,
     margin: Annotated[float, typer.Option(min=0, help="How far, in reward a trial, is still the same.")] = 0.5,
     page: Annotated[
         Path | None,
@@ -61,7 +62,7 @@ def command(
     out: Out = RUNS,
     as_json: Json = False,
 ) -> None:
-    """Compare a run with every published curve, with another run, or --by agent, human or a setting that varies.
+    """Compare a run with every published curve, with another run, or --by agent, human, phase or a setting that varies.
 
     With a curve: agrees, differs or undecided, and why; causes are looked for in all runs of the folder that RUN
     lies in, and in each --variant. Else: difference with 95% interval, seeds, probability of improvement.
@@ -83,8 +84,11 @@ def command(
         if page is not None:
             raise UsageError("--page: is for the published curves; leave OTHER and --by out")
         from visitlab_cli.console.pairs import tell_by, tell_runs
+        from visitlab_cli.console.phases import PHASE, tell_phases
 
-        if by is not None:
+        if by == PHASE:
+            tell_phases(folder, first, as_json)
+        elif by is not None:
             tell_by(folder, by, as_json)
         elif other is not None:
             tell_runs(folder, find_run(other, out), as_json)

@@ -1,4 +1,4 @@
-"""The phases of an experiment: stretches of trials that one agent lives through, each with its own human or planning."""
+"""The phases of an experiment: stretches of trials that one agent lives through, each with its own human."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Annotated, Any, Self

@@ -76,6 +76,9 @@ TrialWord = Annotated[
         autocompletion=completion.words("best", "worst", "median", "longest-engagement"),
     ),
 ]
+First = Annotated[
+    int, typer.Option("--first", min=1, max=10**9, help="With phases: how many trials are the first ones of each.")
+]
 Plugins = Annotated[
     list[Path] | None,
     typer.Option(

@@ -4,7 +4,7 @@ Such numbers are told of robots among people by HuNavSim (Perez-Higueras et al.,
 2024) and Arena; here distances are in cells and times in steps. docs/metrics.md has each definition.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -17,6 +17,7 @@ from visitlab_cli.log.reader import check_values, read_steps
 from visitlab_cli.plan.cells import Cell
 from visitlab_cli.results.estimates import Estimate, mean_of
 from visitlab_cli.results.groups import Group, groups_of
+from visitlab_cli.results.phases import FIRST
 from visitlab_cli.results.units import Units, by_unit
 from visitlab_cli.storage.cell_folder import STEPS, read_cell
 from visitlab_cli.world.columns import ENGAGEMENT, GOAL
@@ -65,8 +66,23 @@ METRICS = {
 """Every metric by name, in the order in which they are told; the last, and those of goals, are of a visit."""
 
 
-def metrics_of(run: Path, cell: Cell) -> dict[str, float]:
-    """The metrics of a finished cell with a human who can be engaged, by name; without those that it does not have.
+class Part(NamedTuple):
+    """Which trials: of a `phase` its first ones or the rest, in words; all of a cell without phases."""
+
+    phase: int | None = None
+    trials: str = ""
+
+
+WHOLE = Part()
+
+
+def metrics_of(run: Path, cell: Cell, first: int = FIRST) -> dict[Part, dict[str, float]]:
+    """The metrics of each part of a finished cell whose human can be engaged, by name; without those it does not have.
+
+    Args:
+        run: the run's folder.
+        cell: a cell of its plan.
+        first: how many trials are a phase's first ones, where there are phases.
 
     Raises:
         NotFoundError: the cell has no log.
@@ -78,9 +94,18 @@ def metrics_of(run: Path, cell: Cell) -> dict[str, float]:
     names = ["trial", "step", "reward", "robot_row", "robot_col", "robot_heading", "human_row", "human_col"]
     names += ["human_heading", "interaction_level", "distance"]
     names += ["goal_room"] if cell.settings.plays.has(GOAL) else []
+    names += ["phase"] if cell.settings.phases else []
     steps, lab = read_steps(file, names), lab_of(cell.settings)
     check_values(file, steps, cell.task, lab)
-    return measured(steps, lab)
+    parts: dict[Part, Values] = {}
+    begins = 0
+    for number, trials in enumerate(cell.settings.phase_trials):
+        of_phase, until = steps["phase"] == number, begins + first
+        parts[Part(number, f"first {first}")] = of_phase & (steps["trial"] < until)
+        parts[Part(number, "rest")] = of_phase & (steps["trial"] >= until)
+        begins += trials
+    chosen = {part: {name: column[rows] for name, column in steps.items()} for part, rows in parts.items()}
+    return {part: measured(of, lab) for part, of in (chosen or {WHOLE: steps}).items() if len(of["step"])}
 
 
 def measured(steps: Steps, lab: Lab) -> dict[str, float]:
@@ -199,9 +224,14 @@ def distances_to(lab: Lab, room: int) -> npt.NDArray[np.int64]:
 
 
 class GroupMetrics(NamedTuple):
-    """The metrics of a group: of each that it has, the mean over its independent units, and how many have it."""
+    """The metrics of a part of a group: of each that it has, the mean over its independent units, and how many have it.
+
+    `human` is whom it meets there.
+    """
 
     group: Group
+    part: Part
+    human: str
     values: dict[str, tuple[Estimate, Units]]
 
     def as_rows(self) -> list[dict[str, Any]]:
@@ -210,8 +240,9 @@ class GroupMetrics(NamedTuple):
             {
                 "experiment": self.group.experiment,
                 "agent": self.group.agent,
-                "human": self.group.human or None,
+                "human": self.human or None,
                 "point": dict(self.group.point),
+                **({} if self.part == WHOLE else self.part._asdict()),
                 "metric": name,
                 "unit": METRICS[name].unit,
                 "n": units.n,
@@ -222,10 +253,8 @@ class GroupMetrics(NamedTuple):
         ]
 
 
-def group_metrics(
-    run: Path, cells: Sequence[Cell], measure: Callable[[Path, Cell], dict[str, float]] = metrics_of
-) -> list[GroupMetrics]:
-    """The metrics of each group of a run's finished cells whose human can be engaged.
+def group_metrics(run: Path, cells: Sequence[Cell], first: int = FIRST) -> list[GroupMetrics]:
+    """The metrics of each group of a run's finished cells whose human can be engaged, of each part where it has phases.
 
     Raises:
         NotFoundError: there is no such cell.
@@ -236,18 +265,27 @@ def group_metrics(
     if not done:
         what = "no finished cell" if social else "no training of the social module and no visit"
         raise NotFoundError(f"{run}: has {what}, and metrics are of these")
-    return [_of_group(run, group, measure) for group in groups_of(done)]
+    return [each for group in groups_of(done) for each in _of_group(run, group, first)]
 
 
-def _of_group(run: Path, group: Group, measure: Callable[[Path, Cell], dict[str, float]]) -> GroupMetrics:
-    of_units = [[measure(run, cell) for cell in members] for members in by_unit(group.cells).values()]
+def _of_group(run: Path, group: Group, first: int) -> Iterator[GroupMetrics]:
+    found = [[metrics_of(run, cell, first) for cell in members] for members in by_unit(group.cells).values()]
+    phases = group.cells[0].settings.phases
+    for part in found[0][0]:
+        human = group.human if part.phase is None else phases[part.phase].met
+        of_units = [[cell.get(part, {}) for cell in members] for members in found]
+        yield GroupMetrics(group, part, human, _means(of_units))
+
+
+def _means(of_units: Sequence[Sequence[dict[str, float]]]) -> dict[str, tuple[Estimate, Units]]:
+    """Of each metric that a cell has."""
     values = {}
     for name in METRICS:
         means = [np.nanmean(each) for unit in of_units if (each := _known(unit, name))]
         if means:
             cells = sum(len(_known(unit, name)) for unit in of_units)
             values[name] = mean_of([float(mean) for mean in means]), Units(len(means), cells)
-    return GroupMetrics(group, values)
+    return values
 
 
 def _known(cells: Sequence[dict[str, float]], name: str) -> list[float]:

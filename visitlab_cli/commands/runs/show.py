@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from visitlab_cli.console.help import Help
-from visitlab_cli.console.options import RUNS, Json, Out, Run
+from visitlab_cli.console.options import RUNS, First, Json, Out, Run
+from visitlab_cli.console.phases import table_and_notes
 from visitlab_cli.console.words import age_in_words, aligned, number, run_again, size_in_words
 from visitlab_cli.terminal import plain, tell, tell_json, tell_text
 
@@ -32,6 +33,7 @@ def command(
     level: Annotated[
         float, typer.Option(min=0, max=1, help="The part of the final value that counts as learned.")
     ] = 0.9,
+    first: First = 20,
     out: Out = RUNS,
     as_json: Json = False,
 ) -> None:
@@ -40,6 +42,7 @@ def command(
     from visitlab_cli.errors import UsageError
     from visitlab_cli.plan.cells import plan
     from visitlab_cli.results.evaluated import evaluated
+    from visitlab_cli.results.phases import phase_results
     from visitlab_cli.results.runs import run_line
     from visitlab_cli.results.summary import summaries
     from visitlab_cli.storage.made_by import made_by, mixed
@@ -56,12 +59,12 @@ def command(
         tell(f"{folder}: {told}", err=True)
     line = run_line(folder, config, cells)
     played = [cell for those in evaluated(folder, config).values() for cell in those]
-    lines = summaries(folder, [*cells, *played], level)
+    lines, phases = summaries(folder, [*cells, *played], level), phase_results(folder, cells, first)
     if as_json:
-        results = [each.as_json() for each in lines]
-        tell_json({"run": str(folder), **line.as_json(), "level": level, "results": results})
+        told = {"run": str(folder), **line.as_json(), "level": level, "results": [each.as_json() for each in lines]}
+        tell_json(told | ({"first": first, "phases": [each.as_json() for each in phases]} if phases else {}))
     else:
-        tell_text(_text(line, lines, level))
+        tell_text("\n".join([_text(line, lines, level), *(["", *table_and_notes(phases, first)] if phases else [])]))
 
 
 def _text(line: "RunLine", lines: "list[Summary]", level: float) -> str:
