@@ -130,7 +130,7 @@ class LoadedRun:
         return self._frame(model_of, wanted)
 
     def phases(self, first: int = FIRST, **wanted: str | int) -> Any:
-        """A data frame with a row for each group and phase: what `visitlab compare --by phase` shows (docs/phases.md)."""
+        """A data frame with a row for each group and phase: what `visitlab compare --by phase` shows."""
         chosen = {cell.path for cell in self.select(**wanted)}
         found = phase_results(self.path, [cell for cell in self._plan if cell.path in chosen], first)
         return _pandas().DataFrame([each.as_row() for each in found])

@@ -115,7 +115,7 @@ ONE_LINE = [
     (
         "agents: [mb], steps",
         "agents: [mb], humans: [human_1], steps",
-        "13:50: experiments.go_to_human.humans: unknown; known: agents, steps, success, task, trial_steps",
+        "13:50: experiments.go_to_human.humans: unknown; known: agents, phases, steps, success, task, trial_steps",
     ),
     (
         "[rmax, mf], steps: 100",

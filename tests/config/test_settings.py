@@ -35,9 +35,9 @@ FIRST: dict[str, dict[str, Any]] = {
     "ScriptedParameters": {"kind": MUST},
     "NavigationTraining": TRAINING,
     "GoToHumanTraining": {**TRAINING, "success": "facing"},
-    "SocialTraining": {**TRAINING, "humans": MUST, "arena": 120, "direction_change": 0.2, "start_from": None},
+    "SocialTraining": {**TRAINING, "humans": [], "arena": 120, "direction_change": 0.2, "start_from": None},
     "Visit": {
-        "task": MUST, "modules": MUST, "humans": MUST, "trials": 1000, "trial_steps": 100, "plan_every": 100,
+        "task": MUST, "modules": MUST, "humans": [], "trials": 1000, "trial_steps": 100, "plan_every": 100,
         "models": "paired", "goal_rooms": [0, 1, 2, 3, 4, 5, 6, 7, 8], "planner_rewards": "carried",
         "social_reward": "social",
     },
@@ -47,13 +47,16 @@ FIRST: dict[str, dict[str, Any]] = {
     "OneTrialIn": {"one_trial_in": MUST},
     "Expected": {"value": MUST, "tolerance": MUST, "trials": None},
 }  # fmt: skip
-"""The fields of version 0.1.0 and their defaults: nothing comes to these, goes, or changes. They are in every hash."""
+"""The fields of version 0.1.0 and their defaults: nothing comes to these, goes, or changes. They are in every hash.
+
+(`humans` had to be given then; who leaves them out now says phases, and has another hash for these.)
+"""
 
 SYMMETRIC = {"symmetric": ("0.2.0", False)}
+PHASES = {"phases": ("0.2.0", [])}
 LATER: dict[str, dict[str, tuple[str, Any]]] = {
-    "QLearningParameters": SYMMETRIC,
-    "ModelBasedParameters": SYMMETRIC,
-    "RMaxParameters": SYMMETRIC,
+    **{name: SYMMETRIC for name in ("QLearningParameters", "ModelBasedParameters", "RMaxParameters")},
+    **{name: PHASES for name in ("NavigationTraining", "GoToHumanTraining", "SocialTraining", "Visit")},
 }
 """The version that a field came with, and its default, by the model: what comes to a model of `FIRST` is told here."""
 

@@ -56,7 +56,7 @@ class _Replay:
         self.task = settings.task
         self.grid = settings.make_grid()
         self.goals = settings.goals(self.grid)
-        self.human = settings.make_human() if settings.has_reactions else None
+        self.humans = settings.make_humans() if settings.has_reactions else []
         self.source = columns
         self.columns: dict[str, list[Any]] = {}
         self.violations: list[Violation] = []
@@ -164,8 +164,10 @@ class _Replay:
             self._is(i, "step", c["step"][i - 1] + 1)
 
     def _consistent(self, i: int) -> None:
-        """What follows from the other values of the same row: geometry, level, state."""
+        """What follows from the other values of the same row: phase, geometry, level, state."""
         c = self.columns
+        if self.settings.phases:
+            self._is(i, "phase", self.settings.phase_of(c["trial"][i]))
         if self.task == "navigation":
             self._is(i, "state", rules.navigation_state(self.grid, c["goal_room"][i], self._robot(i)))
             return
@@ -301,7 +303,8 @@ class _Replay:
 
     def _human_reacts(self, i: int, perceived: rules.Geometry, action: int) -> None:
         """The human's engagement, action, cell and heading have a positive probability together."""
-        c, human, gesture = self.columns, self.human, rules.gesture_of(action)
+        c, gesture = self.columns, rules.gesture_of(action)
+        human = self.settings.human_in(self.humans, c["trial"][i])
         assert human is not None
         before, after = self._engagement(i - 1), self._engagement(i)
         acted, heading = c["human_action"][i], c["human_heading"][i - 1]

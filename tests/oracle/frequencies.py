@@ -38,13 +38,15 @@ class _Counting:
         self.task = settings.task
         self.grid = settings.make_grid()
         self.goals = settings.goals(self.grid)
-        self.human = settings.make_human() if settings.has_reactions else None
+        self.humans = settings.make_humans() if settings.has_reactions else []
+        self.human: rules.Human | None = None
         self.columns: dict[str, list[Any]] = {n: np.asarray(columns[n]).tolist() for n in settings.columns}
         self.tally = Tally()
 
     def run(self) -> list[Frequency]:
         started = None
         for i, step in enumerate(self.columns["step"]):
+            self.human = self.settings.human_in(self.humans, self.columns["trial"][i])
             if step == 0:
                 self._start(i, started)
                 started = i

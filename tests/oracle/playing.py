@@ -26,7 +26,8 @@ class Game:
         self.row: dict[str, Any] = {}
         self.rows: list[dict[str, Any]] = []
         self.engagement = int(Engagement.NONE)
-        self.human: Any = settings.make_human() if settings.has_reactions else None
+        self.humans = settings.make_humans() if settings.has_reactions else []
+        self.human: Any = None
 
     def play(self, trials: int) -> dict[str, np.ndarray]:
         for trial in range(trials):
@@ -38,7 +39,15 @@ class Game:
     def start(self, trial: int) -> None:
         eighth, none = self.random.randrange, int(Action.NO_ACTION)
         last = self.row
-        self.row = {"trial": trial, "step": 0, "action": none, "explored": False, "reward": 0.0}
+        self.human = self.settings.human_in(self.humans, trial)
+        self.row = {
+            "trial": trial,
+            "phase": self.settings.phase_of(trial),
+            "step": 0,
+            "action": none,
+            "explored": False,
+            "reward": 0.0,
+        }
         self.engagement = int(Engagement.NONE)
         self.put("robot", (eighth(self.grid.height), eighth(self.grid.width)), eighth(8))
         self.put("human", (eighth(self.grid.height), eighth(self.grid.width)), eighth(8))

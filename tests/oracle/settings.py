@@ -1,7 +1,9 @@
 """What the oracle must know of a cell besides its log: the task and its parameters."""
 
-from collections.abc import Callable, Collection, Iterable, Mapping
+from bisect import bisect_right
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import accumulate
 from typing import Any
 
 import numpy as np
@@ -58,11 +60,14 @@ class Settings:
     greedy_moves: GreedyMoves | None = None  # visit: what go_to_human may pick; None: any move passes
     trial_stride: int = 1  # 10 where one trial in ten was recorded
     partial_last_trial: bool = False
+    # one phase after the other: its trials, and its human in the place of `human`
+    phases: Sequence[tuple[int, Mapping[str, Any] | Human | None]] = ()
 
     def __post_init__(self) -> None:
         if self.task not in TASKS:
             raise ValueError(f"no task {self.task!r}; known: {', '.join(TASKS)}")
-        if self.has_reactions and self.human is None:
+        people = [human for _, human in self.phases] or [self.human]
+        if self.has_reactions and None in people:
             raise ValueError(f"{self.task} needs the human's parameters")
         if self.success not in ("facing", "seen") or self.social_reward not in ("social", "none"):
             raise ValueError(f"unknown option: success {self.success!r}, social_reward {self.social_reward!r}")
@@ -80,7 +85,7 @@ class Settings:
 
     @property
     def columns(self) -> tuple[str, ...]:
-        return COLUMNS[self.task]
+        return (*COLUMNS[self.task], *(("phase",) if self.phases else ()))
 
     @property
     def n_actions(self) -> int:
@@ -94,9 +99,20 @@ class Settings:
         height, width = (self.arena, self.arena) if self.task == "social" else (self.height, self.width)
         return Grid.with_walls(height, width, self.walls)
 
-    def make_human(self) -> Human:
-        assert self.human is not None
-        return Human.of(self.human)
+    def phase_of(self, trial: int) -> int:
+        """The number of the phase that a trial is of; beyond the last one that there is no such phase."""
+        return bisect_right(list(accumulate(trials for trials, _ in self.phases)), trial)
+
+    def make_humans(self) -> list[Human]:
+        """Whom the robot meets, phase by phase."""
+        people = [human for _, human in self.phases] or [self.human]
+        return [Human.of(human) for human in people if human is not None]
+
+    def human_in(self, humans: Sequence[Human], trial: int) -> Human | None:
+        """Whom of these, phase by phase, it meets in a trial."""
+        if not humans:
+            return None
+        return humans[min(self.phase_of(trial), len(humans) - 1)] if self.phases else humans[0]
 
     def goals(self, grid: Grid) -> frozenset[int]:
         """The rooms that goals are drawn from."""
@@ -162,5 +178,6 @@ def ranges(settings: Settings, grid: Grid) -> dict[str, tuple[int, int]]:
         "angle": eight,
         "desired_direction": eight,
         "goal_room": (0, grid.n_rooms - 1),
+        "phase": (0, len(settings.phases) - 1),
     }
     return {name: known[name] for name in settings.columns}

@@ -316,3 +316,21 @@ def test_z_scores():
     assert 0 <= z_score(1, 0.05, 0.0499, 100) < 2  # once in 20 is no wonder
     assert z_score(0, 3.0, 2.9, 100) == pytest.approx(-1.67, abs=0.02)  # 0.97 ** 100 = 0.0476
     assert z_score(3, 0.0, 0.0, 100) == np.inf
+
+
+# -------------------------------------------------------------------------------------------- phases
+
+
+def test_each_phase_is_judged_by_its_own_human():
+    still = {"p_S": (1, 0, 0), "p_H": 0.0, "p_M": 0.0, "p_O": 0.0, "p_A": 0.0, "p_P": 0.0}
+    phases = [(40, HUMAN), (40, still)]
+    log = play("social", 80, seed=4, phases=phases)
+    assert check_log(log, "social", phases=phases) == []
+    assert worst(log, "social", phases=phases) < LIMIT
+    swapped = check_log(log, "social", phases=[(40, still), (40, HUMAN)])
+    assert {log["phase"][each.row] for each in swapped} == {0}
+    late = log | {"phase": np.where(log["trial"] == 40, 0, log["phase"])}
+    assert {(each.row, each.column) for each in check_log(late, "social", phases=phases)} == {
+        (row, "phase") for row in np.flatnonzero(log["trial"] == 40)
+    }
+    assert [each.column for each in check_log(log, "social", human=HUMAN)] == ["phase"]

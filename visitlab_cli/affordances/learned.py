@@ -108,7 +108,10 @@ def _share(events: npt.NDArray[np.generic], visits: Ints) -> Table:
 
 def _truth(cell: Cell) -> Truth:
     teleports = not cell.settings.assembled
-    return true_transitions(cell.config.humans[cell.human], teleports, cell.config.interaction.distances)
+    human, *others = cell.humans
+    if others:
+        raise NotFoundError(f"{cell.path}: met {', '.join(cell.humans)} in turn, so no single truth lies beside it")
+    return true_transitions(cell.config.humans[human], teleports, cell.config.interaction.distances)
 
 
 def _adaptation(run: Path, visit: Cell, before: Ints) -> Adaptation:
@@ -134,5 +137,5 @@ def _chosen(run: Path, cells: Sequence[Cell], selection: Selection) -> Cell:
 
 
 def _visits_of(run: Path, cells: Sequence[Cell], trained: Cell) -> list[Cell]:
-    of_it = [c for c in cells if c.settings.assembled and c.modules[SOCIAL] == trained.path]
+    of_it = [c for c in cells if c.settings.assembled and c.modules[SOCIAL] == trained.path and len(c.humans) == 1]
     return [cell for cell in of_it if read_cell(run / cell.path) is not None]

@@ -9,7 +9,7 @@ from visitlab_cli.console.help import Help
 from visitlab_cli.console.options import RUNS, Json, Out, Run
 from visitlab_cli.terminal import tell, tell_json
 
-FIGURES = ("fig6", "fig7", "fig8", "fig9", "grid")
+FIGURES = ("fig6", "fig7", "fig8", "fig9", "grid", "phases")
 """As `figures.making` draws them; which is too heavy to ask."""
 
 HELP = Help(
@@ -38,7 +38,7 @@ def command(
     out: Out = RUNS,
     as_json: Json = False,
 ) -> None:
-    """Draw the paper's figures that a run has the data for, the published curves behind ours, and what a grid varies.
+    """Draw the paper's figures that a run has the data for, the published curves behind ours; a grid, and phases.
 
     A published curve is there only where all that decides it is as published. In RUN/figures/.
     """

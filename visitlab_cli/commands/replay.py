@@ -6,7 +6,19 @@ from typing import Annotated
 import typer
 
 from visitlab_cli.console.help import Help
-from visitlab_cli.console.options import RUNS, Agent, At, Experiment, Human, Json, Out, RunOrFile, Seed, TrialWord
+from visitlab_cli.console.options import (
+    RUNS,
+    Agent,
+    At,
+    Experiment,
+    Human,
+    Json,
+    Out,
+    Phase,
+    RunOrFile,
+    Seed,
+    TrialWord,
+)
 from visitlab_cli.terminal import tell, tell_json
 
 HELP = Help(
@@ -27,6 +39,7 @@ def command(
     seed: Seed = None,
     at: At = None,
     trial: TrialWord = "0",
+    phase: Phase = None,
     save: Annotated[Path | None, typer.Option(help="Write an .rrd file instead.")] = None,
     web: Annotated[bool, typer.Option("--web", help="Serve it to a browser on this machine instead.")] = False,
     png: Annotated[Path | None, typer.Option(help="Write a picture of --step instead; needs no screen.")] = None,
@@ -51,7 +64,8 @@ def command(
 
     if target := save or png or strip:
         check_ours(target)
-    picked = choose_trial(find_logs(run, out, Selection(experiment, human, agent, seed, tuple(at or ()))), trial)
+    logs = find_logs(run, out, Selection(experiment, human, agent, seed, tuple(at or ())))
+    picked = choose_trial(logs, trial, phase)
     chosen = load_trial(picked.log.path, picked.trial)
     if save is None and not web and png is None and strip is None:
         from visitlab_cli.replay.viewer import check_display
@@ -84,4 +98,4 @@ def command(
             show(content)
     if target:
         told = {"cell": picked.log.cell, "trial": chosen.number, "file": str(target)}
-        tell_json(told, None) if as_json else tell(f"{picked.log.cell}, trial {chosen.number}: {target}")
+        tell_json(told, None) if as_json else tell(f"{chosen.name}: {target}")

@@ -3,7 +3,19 @@
 from typing import TYPE_CHECKING, Any
 
 from visitlab_cli.console.help import Help
-from visitlab_cli.console.options import RUNS, Agent, At, Experiment, Human, Json, Out, RunOrFile, Seed, TrialWord
+from visitlab_cli.console.options import (
+    RUNS,
+    Agent,
+    At,
+    Experiment,
+    Human,
+    Json,
+    Out,
+    Phase,
+    RunOrFile,
+    Seed,
+    TrialWord,
+)
 from visitlab_cli.console.words import aligned
 from visitlab_cli.terminal import plain as in_line
 from visitlab_cli.terminal import tell, tell_json, tell_text
@@ -31,6 +43,7 @@ def command(
     seed: Seed = None,
     at: At = None,
     trial: TrialWord = "0",
+    phase: Phase = None,
     out: Out = RUNS,
     as_json: Json = False,
 ) -> None:
@@ -38,20 +51,22 @@ def command(
     from visitlab_cli.log.reader import check_values, read_metadata, read_trial
     from visitlab_cli.plan.selection import Selection
     from visitlab_cli.replay.choice import choose_trial, find_logs
-    from visitlab_cli.scene.trial import lab_of_log
+    from visitlab_cli.scene.trial import lab_of_log, phase_of_log
 
-    chosen = choose_trial(find_logs(run, out, Selection(experiment, human, agent, seed, tuple(at or ()))), trial)
+    logs = find_logs(run, out, Selection(experiment, human, agent, seed, tuple(at or ())))
+    chosen = choose_trial(logs, trial, phase)
     log, number = chosen.log, chosen.trial
     if chosen.note:
         tell(chosen.note, err=True)
     steps = read_trial(log.path, number)
     lab = lab_of_log(log.path)
     check_values(log.path, steps, read_metadata(log.path)["task"], lab)
+    in_phase = phase_of_log(log.path, steps)
     if as_json:
-        told = {"cell": log.cell, "trial": number, "steps": plain(steps, lab)}
-        tell_json(told)
+        told = {"cell": log.cell, "trial": number, **({"phase": in_phase} if in_phase else {})}
+        tell_json({**told, "steps": plain(steps, lab)})
     else:
-        tell(f"{log.cell}, trial {number}", "")
+        tell(", ".join(filter(None, (log.cell, f"trial {number}", in_phase))), "")
         tell_text(table(steps, lab))
 
 

@@ -15,15 +15,15 @@ from visitlab_cli.yaml.problems import Issue, Path
 PHASES = "phases"
 """What stands for a human's name where the human changes: in paths, tables and references."""
 MOST_PHASES = 100
-LEFT_OUT: dict[str, Any] = {"default": None, "validate_default": False}  # None, which nobody may write
 
 
 class Phase(Settings):
-    """What every phase may say; what it leaves out is the experiment's."""
+    """What every phase may say; what it leaves out is None, which nobody may write, and is the experiment's."""
 
-    trials: int = Field(**LEFT_OUT, ge=1, le=10**9, description="trials of this phase")
+    trials: int = Field(default=None, validate_default=False, ge=1, le=10**9, description="trials of this phase")
     plan_every: int = Field(
-        **LEFT_OUT,
+        default=None,
+        validate_default=False,
         ge=1,
         le=10**9,
         description="steps between two sweeps in this phase; left out: as without phases",
@@ -51,7 +51,11 @@ class TrainingPhase(Phase):
     """A phase of a training: as long as its `steps` or `trials` say."""
 
     steps: int = Field(
-        **LEFT_OUT, ge=1, le=10**12, description="steps of this phase, a whole number of trials; or say trials"
+        default=None,
+        validate_default=False,
+        ge=1,
+        le=10**12,
+        description="steps of this phase, a whole number of trials; or say trials",
     )
 
     @model_validator(mode="after")

@@ -10,6 +10,7 @@ from visitlab_cli.config.phases import PHASES, wrong_phases
 from visitlab_cli.humans.base import HumanParameters
 from visitlab_cli.settings import key_of
 from visitlab_cli.wording import or_else, printable
+from visitlab_cli.world.columns import ENGAGEMENT
 from visitlab_cli.world.tasks import SOCIAL, VISIT
 from visitlab_cli.yaml.problems import Issue, Path
 
@@ -181,9 +182,9 @@ def _module_human(text: str, human: str | None, experiment: Any) -> Iterator[str
     humans = experiment.met
     if human is None and len(humans) > 1:
         yield f"say with which human: {' or '.join(f'{text}/{name}' for name in humans)}"
-    elif human is not None and not humans:
+    elif human is not None and not experiment.plays.has(ENGAGEMENT):
         yield f"{experiment.task} has no human; write {text.rpartition('/')[0]}"
-    elif human is not None and human not in humans:
+    elif human is not None and humans and human not in humans:
         yield f"{text.split('/')[0]} does not train with {human}{or_else(human, humans)}"
 
 

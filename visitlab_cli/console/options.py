@@ -79,6 +79,9 @@ TrialWord = Annotated[
 First = Annotated[
     int, typer.Option("--first", min=1, max=10**9, help="With phases: how many trials are the first ones of each.")
 ]
+Phase = Annotated[
+    int | None, typer.Option(min=0, help="With phases: best, worst and so on of this phase alone, from 0.")
+]
 Plugins = Annotated[
     list[Path] | None,
     typer.Option(

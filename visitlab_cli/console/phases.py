@@ -53,8 +53,8 @@ def table_and_notes(found: "Sequence[PhaseResult]", first: int) -> list[str]:
         aligned([[*words, *numbers], *rows], words=len(words)),
         "",
         f"Reward (goals in a visit) a trial of a phase's first {first} trials and of the rest ± half its 95% interval.",
-        f"Change: its first {first} less the rest of the phase before. Met again: a human of an earlier phase; its first",
-        "trials less as many of the first meeting. Both are paired: of the same robots. Phases and trials from 0.",
+        f"Change: its first {first} less the rest of the phase before. Met again: the first trials with a human of an",
+        "earlier phase less as many of the first meeting. Both are paired: of the same robots. Phases, trials: from 0.",
     ]
 
 

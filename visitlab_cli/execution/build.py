@@ -71,7 +71,8 @@ def build(cell: Cell, models: Mapping[str, Saved]) -> Simulation:
     else:
         agent = learner.create(setting)
     if not settings.phases:
-        return Simulation([Stretch(*tasks.values(), agent, settings.n_steps)], parameters, settings.n_trials)
+        (task,) = tasks.values()
+        return Simulation([Stretch(task, agent, settings.n_steps)], parameters, settings.n_trials)
     stretches, until = [], 0
     for phase, trials in zip(settings.phases, settings.phase_trials, strict=True):
         until += trials * settings.trial_steps

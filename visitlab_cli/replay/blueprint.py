@@ -20,7 +20,7 @@ NO_LEGEND = rrb.PlotLegend(visible=False)
 def blueprint_of(shown: Scene, *, following: bool = False) -> rrb.Blueprint:
     """The layout for the trial's task; it begins at the trial's start, or is always `following` its last step."""
     trial = shown.trial
-    scene = _scene(shown, f"{trial.cell}, trial {trial.number}", SCENE)
+    scene = _scene(shown, trial.name, SCENE)
     steps = strip_steps(trial.steps, trial.lab)
     panels = [_scene(shown, _panel_name(trial, step), [*SCENE, "- human/field/**"], step) for step in steps]
     left = rrb.Tabs(scene, rrb.Grid(*panels, grid_columns=STRIP_COLUMNS, name="Strip"))

@@ -36,17 +36,39 @@ class Log(NamedTuple):
     cell: str
     one_in: int = 0
 
-    def trials(self) -> tuple[Numbers, Rewards]:
-        """The numbers and rewards of the recorded trials, each of shape (trials,).
+    def trials(self, phase: int | None = None) -> tuple[Numbers, Rewards]:
+        """The numbers and rewards of the recorded trials, or of those of a phase, each of shape (trials,).
 
         Raises:
+            NotFoundError: there is no such phase.
             RunError: the log, or the table, is damaged.
         """
         if self.one_in:
-            rewards = read_trials(self.path.with_name(TRIALS))["reward"][:: self.one_in]
-            return np.arange(len(rewards)) * self.one_in, rewards
-        table = trials(self.path)
-        return table["trial"].astype(np.int64), table["reward"].astype(np.float64)
+            table = read_trials(self.path.with_name(TRIALS))
+            rewards = table["reward"][:: self.one_in]
+            numbers = np.arange(len(rewards)) * self.one_in
+        else:
+            found = trials(self.path)
+            numbers, rewards = found["trial"].astype(np.int64), found["reward"].astype(np.float64)
+        if phase is None:
+            return numbers, rewards
+        kept = np.isin(numbers, self.trials_in(phase))
+        return numbers[kept], rewards[kept]
+
+    def trials_in(self, phase: int) -> Numbers:
+        """The numbers of the recorded trials of a phase, at least one.
+
+        Raises:
+            NotFoundError: there is none.
+        """
+        try:
+            steps = read_steps(self.path, ["trial", "phase"])
+        except UsageError:
+            raise NotFoundError(f"{self.path}: --phase {phase}: has no phases") from None
+        if not (steps["phase"] == phase).any():
+            last = int(steps["phase"].max())
+            raise NotFoundError(f"{self.path}: has no recorded trial of phase {phase}; its phases are 0 to {last}")
+        return np.unique(steps["trial"][steps["phase"] == phase]).astype(np.int64)
 
 
 @dataclass(frozen=True)
@@ -119,11 +141,12 @@ def _done(run: Path, cells: Sequence[Cell]) -> list[Cell]:
     return done
 
 
-def choose_trial(logs: Logs, word: str) -> Chosen:
+def choose_trial(logs: Logs, word: str, phase: int | None = None) -> Chosen:
     """The trial that `word` means: a number, in the first log, or one of `SELECTORS` over all recorded trials.
 
     Of equals the earliest in the first log. `median` is the trial in the middle by reward; `longest-engagement` has
-    the longest unbroken time in which the human is greeted, called or following.
+    the longest unbroken time in which the human is greeted, called or following. With a `phase` only its trials count,
+    and a number is counted from its first one.
 
     Raises:
         UsageError: the word means nothing, or the task knows no engagement.
@@ -134,27 +157,28 @@ def choose_trial(logs: Logs, word: str) -> Chosen:
     if word.isdecimal():
         if len(word) > MOST_DIGITS:
             raise NotFoundError(f"{log.path}: no log has a trial of that number")
+        number = int(word) + (0 if phase is None else int(log.trials_in(phase)[0]))
         following = (*logs.first, *logs.others)[1:2]
         note = f"chose {log.cell} of {count} cells; the next is {following[0].cell}; {CHOOSE}" if following else ""
-        return Chosen(log, int(word), note)
+        return Chosen(log, number, note)
     if word not in SELECTORS:
         raise UsageError(f"--trial {printable(word)}: must be a number or one of {', '.join(SELECTORS)}")
     ties = 1
     if word == LONGEST_ENGAGEMENT:
-        lengths, numbers = zip(*(_longest_engaged(each.path) for each in logs.first), strict=True)
+        lengths, numbers = zip(*(_longest_engaged(each.path, phase) for each in logs.first), strict=True)
         place = int(np.argmax(lengths))
         log, number = logs.first[place], numbers[place]
     else:
-        log, number, ties = _by_reward(logs.first, word)
+        log, number, ties = _by_reward(logs.first, word, phase)
     among = f" of {len(logs.first)} cells" if len(logs.first) > 1 else ""
     rest = f"; {len(logs.others)} of other experiments were not looked at; {CHOOSE}" if logs.others else ""
     equals = f", one of {ties:,} with the same reward" if ties > 1 else ""
     return Chosen(log, number, f"the {word} trial{among} is {log.cell}, trial {number}{equals}{rest}")
 
 
-def _by_reward(logs: Sequence[Log], word: str) -> tuple[Log, int, int]:
+def _by_reward(logs: Sequence[Log], word: str, phase: int | None) -> tuple[Log, int, int]:
     """The trial in question, and how many have the same reward."""
-    tables = [log.trials() for log in logs]
+    tables = [log.trials(phase) for log in logs]
     rewards = np.concatenate([rewards for _, rewards in tables])
     if not len(rewards):
         raise NotFoundError(f"{logs[0].path}: the log holds no trial")
@@ -166,12 +190,14 @@ def _by_reward(logs: Sequence[Log], word: str) -> tuple[Log, int, int]:
     return logs[of_log[place]], int(numbers[place]), int(np.count_nonzero(rewards == rewards[place]))
 
 
-def _longest_engaged(path: Path) -> tuple[int, int]:
+def _longest_engaged(path: Path, phase: int | None) -> tuple[int, int]:
     """The most steps without a break, and the trial that has them."""
     steps = read_steps(path)
     if "desired_direction" not in steps:
         raise UsageError(f"--trial {LONGEST_ENGAGEMENT}: nobody is engaged in this task")
     engaged = steps["interaction_level"].astype(np.int64) >= InteractionLevel.GREETED
+    if phase is not None:
+        engaged &= np.isin(steps["trial"], Log(path, "").trials_in(phase))
     changes = engaged[1:] != engaged[:-1]
     starts = np.concatenate([[0], np.flatnonzero(changes | (steps["trial"][1:] != steps["trial"][:-1])) + 1])
     lengths = np.diff(np.concatenate([starts, [len(engaged)]])) * engaged[starts]

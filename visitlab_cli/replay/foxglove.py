@@ -13,6 +13,7 @@ Time is that of the log, one second a step, from 0; the trials follow each other
 
 from collections.abc import Iterable, Iterator
 from functools import cache
+from itertools import chain, islice
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -50,11 +51,13 @@ def write_foxglove(path: Path, trials: Iterable[Trial]) -> int:
         RunError: it cannot be written.
     """
     rows = 0
+    several = iter(trials)
+    first = [*islice(several, 1)]
     with new_file(path) as beside, beside.open("wb") as file:
         writer = Writer(file)
         writer.start(library=NAME)
-        channels = _channels(writer)
-        for trial in trials:
+        channels = _channels(writer, phased=any("phase" in trial.steps for trial in first))
+        for trial in chain(first, several):
             scene = Scene(trial)
             for step in range(trial.length):
                 time = rows * schema.STEP_NS
@@ -65,11 +68,11 @@ def write_foxglove(path: Path, trials: Iterable[Trial]) -> int:
     return rows
 
 
-def _channels(writer: Writer) -> dict[str, int]:
-    """The channel of each topic."""
+def _channels(writer: Writer, *, phased: bool) -> dict[str, int]:
+    """The channel of each topic; `phased`: a step says its phase."""
     content = foxglove_schema.schema_bytes()
     described = {topic: (f"{foxglove_schema.PACKAGE}.{name}", content) for topic, name in SCHEMAS.items()}
-    described[schema.STEP_TOPIC] = (f"{schema.PACKAGE}.{schema.STEP}", schema.schema_bytes())
+    described[schema.STEP_TOPIC] = (f"{schema.PACKAGE}.{schema.STEP}", schema.schema_bytes(phased=phased))
     return {
         topic: writer.register_channel(
             topic, MessageEncoding.Protobuf, writer.register_schema(name, SchemaEncoding.Protobuf, data)
@@ -90,7 +93,7 @@ def _messages(scene: Scene, step: int, time: int) -> Iterator[_Sent]:
     words = f"trial {scene.trial.number}, step {steps['step'][step]}: {caption(steps, step, scene.trial.lab)}"
     yield _Sent(CAPTION, _made(LOG, now | {"level": "INFO", "message": words, "name": NAME}))
     values = {name: column[step].item() for name, column in steps.items()}
-    yield _Sent(schema.STEP_TOPIC, _step_class()(**values))
+    yield _Sent(schema.STEP_TOPIC, _step_class("phase" in steps)(**values))
 
 
 def _made(name: str, fields: Fields) -> Any:
@@ -98,7 +101,7 @@ def _made(name: str, fields: Fields) -> Any:
 
 
 @cache
-def _step_class() -> Any:
+def _step_class(phased: bool) -> Any:
     pool = DescriptorPool()
-    pool.Add(schema.file_descriptor())
+    pool.Add(schema.file_descriptor(phased=phased))
     return GetMessageClass(pool.FindMessageTypeByName(f"{schema.PACKAGE}.{schema.STEP}"))

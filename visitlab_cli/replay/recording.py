@@ -30,7 +30,7 @@ def draw_stage(stage: Stage, *, following: bool) -> None:
     """Draw what the stage is to send; `following` where the viewer is to show the last step that there is."""
     trial = stage.trial
     stage.recording.send_blueprint(blueprint_of(stage.scene, following=following))
-    stage.recording.send_recording_name(f"{trial.cell}, trial {trial.number}")
+    stage.recording.send_recording_name(trial.name)
     draw_scene(stage)
     curves.draw_words(stage)
     curves.draw_states(stage)

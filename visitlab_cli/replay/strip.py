@@ -126,6 +126,10 @@ def _key(trial: Trial) -> list[Any]:
     return handles
 
 
+def _start(trial: Trial) -> str:
+    return ", ".join(filter(None, ("the start", trial.phase)))
+
+
 def title_of(trial: Trial, step: int) -> tuple[str, str]:
     """Step and action; desired direction and level."""
     words = []
@@ -133,5 +137,5 @@ def title_of(trial: Trial, step: int) -> tuple[str, str]:
         words.append(f"towards {direction_name(int(trial.steps['desired_direction'][step]))}")
     if trial.has_human:
         words.append(LEVEL_NAMES[int(trial.steps["interaction_level"][step])])
-    action = action_name(trial.steps, step).split(": ")[-1].replace(", then is blocked", "") if step else "the start"
+    action = action_name(trial.steps, step).split(": ")[-1].replace(", then is blocked", "") if step else _start(trial)
     return f"{step}: {action}", ", ".join(words)

@@ -110,12 +110,25 @@ class Chart {
       ...ticks(0, this.end, this.width / 90).map((value) =>
         svg("text", { x: this.x(value), y: bottom + 16, "text-anchor": value === 0 ? "start" : value > this.end * 0.95 ? "end" : "middle" }, short(value))),
       svg("text", { class: "unit", x: right, y: bottom + 31, "text-anchor": "end" }, this.data.x),
+      ...this.phases(),
       ...this.bound(this.data.optimum, "best possible"), ...this.bound(this.data.random, "random"),
       ...this.data.curves.map((curve, i) => (this.on[i] && banded && curve.half ? this.band(curve, i) : null)).filter(Boolean),
       ...this.data.curves.map((curve, i) => (this.on[i] ? this.line(curve, i) : null)).filter(Boolean),
       this.cursor);
     this.plot.replaceChildren(this.picture, this.tip);
     this.read(this.at);
+  }
+
+  // A band for each phase, every second one shaded, with its name where there is room.
+  phases() {
+    const top = MARGIN.top, bottom = this.height - MARGIN.bottom;
+    return this.data.phases.flatMap(([end, name], i) => {
+      const from = this.x(i ? this.data.phases[i - 1][0] : 0), to = this.x(end);
+      return [i % 2 ? svg("rect", { class: "phase", x: from, width: to - from, y: top, height: bottom - top }) : null,
+        i ? svg("line", { class: "bound", x1: from, x2: from, y1: top, y2: bottom }) : null,
+        to - from > 7 * name.length ? svg("text", { class: "unit", x: (from + to) / 2, y: top + 10, "text-anchor": "middle" }, name) : null,
+      ].filter(Boolean);
+    });
   }
 
   bound(value, words) {

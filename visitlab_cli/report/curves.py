@@ -1,5 +1,6 @@
 """The learning curves of a run: a chart for each experiment, one for visits alike, thinned to be small and readable."""
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -47,13 +48,17 @@ class Curve(NamedTuple):
 
 
 class Chart(NamedTuple):
-    """Curves over `x`, trials or steps; `bounds` are the exact values where they are known."""
+    """Curves over `x`, trials or steps; `bounds` are the exact values where they are known.
+
+    `phases` are where each phase ends, in the chart's units, and its name.
+    """
 
     title: str
     x: str
     y: str
     bounds: Possible | None
     curves: list[Curve]
+    phases: list[tuple[int, str]]
 
     @property
     def batch(self) -> str:
@@ -75,6 +80,7 @@ class Chart(NamedTuple):
             "optimum": None if bounds is None else round(bounds.optimum, DIGITS),
             "random": None if bounds is None else round(bounds.random, DIGITS),
             "curves": [curve._asdict() for curve in self.curves],
+            "phases": self.phases,
         }
 
 
@@ -106,7 +112,7 @@ def _together(groups: Sequence[Group]) -> list[list[Group]]:
         experiments.setdefault(group.experiment, []).append(group)
     alike: dict[object, list[list[Group]]] = {}
     for name, members in experiments.items():
-        lengths = frozenset((each.n_trials, each.trial_steps) for each in _visits(members))
+        lengths = frozenset((each.n_trials, each.trial_steps, each.phases) for each in _visits(members))
         alike.setdefault(lengths or name, []).append(members)
     charts: list[list[Group]] = []
     for several in alike.values():
@@ -128,7 +134,17 @@ def bounds_of(groups: Sequence[Group]) -> Possible | None:
 
 def _chart(groups: Sequence[Group], curves: list[Curve]) -> Chart:
     title = ", ".join(dict.fromkeys(group.experiment for group in groups))
-    return Chart(title, groups[0].cells[0].settings.counted_in, groups[0].measure, bounds_of(groups), curves)
+    settings = groups[0].cells[0].settings
+    alike = all(group.cells[0].settings.phases == settings.phases for group in groups)
+    phases = _phases(settings) if alike else []
+    return Chart(title, settings.counted_in, groups[0].measure, bounds_of(groups), curves, phases)
+
+
+def _phases(settings: Experiment) -> list[tuple[int, str]]:
+    unit = 1 if settings.counted_in == "trials" else settings.trial_steps
+    ends = (int(end) * unit for end in np.cumsum(settings.phase_trials))
+    names = (": ".join(filter(None, (str(number), phase.met))) for number, phase in enumerate(settings.phases))
+    return list(zip(ends, names, strict=True))
 
 
 def _done(run: Path, group: Group) -> list[Cell]:
@@ -136,7 +152,7 @@ def _done(run: Path, group: Group) -> list[Cell]:
 
 
 def _curve(run: Path, cells: Sequence[Cell], named: tuple[str, int], look: Look, points: int) -> Curve:
-    found = curve_of(run, cells, batch_edges(cells[0].trials, points))
+    found = curve_of(run, cells, batch_edges(cells[0].trials, points, math.gcd(*cells[0].settings.phase_trials)))
     mean = [round(float(value), DIGITS) for value in found.mean]
     half = [round(float(value), DIGITS) for value in found.half] if found.counted.n > 1 else None
     sizes = np.diff(found.edges)
@@ -144,13 +160,15 @@ def _curve(run: Path, cells: Sequence[Cell], named: tuple[str, int], look: Look,
     return Curve(*named, look.hue, look.marker, end, found.counted.n, (int(sizes.min()), int(sizes.max())), mean, half)
 
 
-def batch_edges(trials: int, most: int) -> npt.NDArray[np.int64]:
+def batch_edges(trials: int, most: int, phase: int = 0) -> npt.NDArray[np.int64]:
     """Where batches of trials begin and where the last one ends: equal ones if any are, else one trial apart.
 
     Args:
         trials: at least 1.
         most: batches.
+        phase: the trials of each phase are a multiple of it, and no batch should lie in two of them; 0 without.
     """
     size = max(-(-trials // most), min(ENOUGH_TRIALS, trials // ENOUGH_POINTS), 1)
-    size = next((larger for larger in range(size, 2 * size) if trials % larger == 0), size)
+    for whole in (phase or trials, trials):
+        size = next((larger for larger in range(size, 2 * size) if whole % larger == 0), size)
     return np.linspace(0, trials, max(1, trials // size) + 1).round().astype(np.int64)

@@ -61,9 +61,9 @@ def _circumstances(group: Group) -> str:
     cell = group.cells[0]
     parts = cell.settings.model_dump(mode="json", exclude={*OF_THE_AGENT, *cell.settings.planning_options})
     parts["modules"] = dict(_others(group))
-    human = cell.config.humans[group.human].model_dump(mode="json") if group.human else None
+    humans = [cell.config.humans[human].model_dump(mode="json") for human in cell.humans]
     rules = cell.config.interaction.model_dump(mode="json")
-    return json.dumps([parts, group.human, human, rules], sort_keys=True)
+    return json.dumps([parts, group.human, humans, rules], sort_keys=True)
 
 
 def _others(group: Group) -> Iterator[tuple[str, str]]:

@@ -100,7 +100,7 @@ def metrics_of(run: Path, cell: Cell, first: int = FIRST) -> dict[Part, dict[str
     parts: dict[Part, Values] = {}
     begins = 0
     for number, trials in enumerate(cell.settings.phase_trials):
-        of_phase, until = steps["phase"] == number, begins + first
+        of_phase, until = steps["phase"] == number, np.uint32(begins + first)
         parts[Part(number, f"first {first}")] = of_phase & (steps["trial"] < until)
         parts[Part(number, "rest")] = of_phase & (steps["trial"] >= until)
         begins += trials

@@ -1,6 +1,7 @@
 """One recorded trial with what is needed to draw it: its steps, its lab or arena, the distances that count."""
 
 import contextlib
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -34,7 +35,7 @@ class Trial:
 
     `lab` is where it plays, or where it would without its own `arena`, the side of an open square in cells.
     `distances` are the four thresholds in cells, `q` what the deciding module had learned in the end, shape
-    (states, actions), where its model is at hand.
+    (states, actions), where its model is at hand. `phase` says in words which phase it is of; empty without phases.
     """
 
     path: Path
@@ -46,6 +47,12 @@ class Trial:
     distances: tuple[int, ...]
     q: Values | None = None
     arena: int | None = None
+    phase: str = ""
+
+    @property
+    def name(self) -> str:
+        """Which trial it is, in words: 'visit/phases/seed-0000, trial 3, phase 1 (human_2)'."""
+        return ", ".join(filter(None, (self.cell, f"trial {self.number}", self.phase)))
 
     @property
     def length(self) -> int:
@@ -126,7 +133,29 @@ def load_trial(path: Path, number: int) -> Trial:
     arena = int(experiment.get("arena", ARENA)) if task == SOCIAL else None
     distances = config.get("interaction", {}).get("distances", DISTANCES)
     learned = _learned(path, TASKS[task], lab, cell, config)
-    return Trial(path, cell, task, number, steps, lab, tuple(distances), learned, arena)
+    phase = phase_in_words(steps, experiment)
+    return Trial(path, cell, task, number, steps, lab, tuple(distances), learned, arena, phase)
+
+
+def phase_in_words(steps: Steps, experiment: Mapping[str, Any]) -> str:
+    """Which phase a trial is of, and whom it meets: 'phase 1 (human_2)'; empty where there are no phases.
+
+    `experiment` is as the config of the log has it, as plain values.
+    """
+    if "phase" not in steps:
+        return ""
+    number = int(steps["phase"][0])
+    with contextlib.suppress(LookupError, TypeError):
+        return f"phase {number} ({experiment['phases'][number]['human']})"
+    return f"phase {number}"
+
+
+def phase_of_log(path: Path, steps: Steps) -> str:
+    """As `phase_in_words`, of a trial of a log."""
+    if "phase" not in steps:
+        return ""
+    cell = read_metadata(path)["cell"]
+    return phase_in_words(steps, _config(path).get("experiments", {}).get(cell.split("/")[0], {}))
 
 
 def lab_of_log(path: Path) -> Lab:

@@ -104,12 +104,16 @@ def captions(steps: Steps, lab: Lab) -> list[str]:
 
 def caption(steps: Steps, step: int, lab: Lab) -> str:
     """What happens in a step in `lab`: 'says hello; the human faces it and now follows it with its gaze'."""
-    parts = ["the trial begins" if step == 0 else action_name(steps, step)]
+    parts = [_begins(steps) if step == 0 else action_name(steps, step)]
     if "human_row" in steps:
         parts.append(_human(steps, step))
     if step > 0 and steps["reward"][step] > 0:
         parts.append(_rewarded(steps, step, lab))
     return "; ".join(parts)
+
+
+def _begins(steps: Steps) -> str:
+    return f"the trial begins, in phase {steps['phase'][0]}" if "phase" in steps else "the trial begins"
 
 
 def _physical(steps: Steps, step: int, action: int) -> str:

@@ -61,8 +61,8 @@ def command(
     played = [cell for those in evaluated(folder, config).values() for cell in those]
     lines, phases = summaries(folder, [*cells, *played], level), phase_results(folder, cells, first)
     if as_json:
-        told = {"run": str(folder), **line.as_json(), "level": level, "results": [each.as_json() for each in lines]}
-        tell_json(told | ({"first": first, "phases": [each.as_json() for each in phases]} if phases else {}))
+        whole = {"run": str(folder), **line.as_json(), "level": level, "results": [each.as_json() for each in lines]}
+        tell_json(whole | ({"first": first, "phases": [each.as_json() for each in phases]} if phases else {}))
     else:
         tell_text("\n".join([_text(line, lines, level), *(["", *table_and_notes(phases, first)] if phases else [])]))
 

@@ -10,6 +10,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from visitlab_cli.config.experiment import Experiment
 from visitlab_cli.config.model import Config
 from visitlab_cli.config.names import Module
 from visitlab_cli.errors import RunError
@@ -72,7 +73,7 @@ def deciding(cell: Cell) -> Flat:
         names = Module(cell.experiment, cell.agent, cell.human)
         return _training(config, names, NOT_DECIDING) | _distances(cell)
     found = _settings("visit", settings, NOT_DECIDING)
-    found |= _settings("human", config.humans[cell.human])
+    found |= _humans(config, settings, cell.human)
     found |= _distances(cell)
     for task, module in settings.starts.items():
         training = _training(config, module, NOT_DECIDING - {"steps"})
@@ -87,12 +88,19 @@ def _training(config: Config, names: Module, without: Set[str]) -> Flat:
     found |= _settings("agent", agent, {key_of(type(agent), role) for role in agent.references})
     for role in agent.references:
         found |= _settings(f"agent.{role}", config.agents[getattr(agent, role)])
-    if names.human:
-        found |= _settings("human", config.humans[names.human])
+    found |= _humans(config, settings, names.human or "")
     for module in settings.starts.values():
         start = _training(config, module, NOT_DECIDING - {"steps"})
         found |= {f"start.{path}": value for path, value in start.items()}
     return found
+
+
+def _humans(config: Config, settings: Experiment, name: str) -> Flat:
+    """The human's, or those of each human of its phases under its name."""
+    if name not in settings.humans_met(name):
+        of_each = (_settings(f"human.{human}", config.humans[human]) for human in settings.humans_met(name))
+        return {path: value for found in of_each for path, value in found.items()}
+    return _settings("human", config.humans[name]) if name else {}
 
 
 def _settings(path: str, settings: Settings, without: Set[str] = frozenset()) -> Flat:
