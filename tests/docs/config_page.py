@@ -24,10 +24,19 @@ SECTIONS = {
     "agents": ("agents", "An agent, by any name; its `kind` decides what else it has."),
     "experiments": ("experiments", "A training or a visit, by any name; its `task` decides what else it has."),
     "modules": ("modules of a visit", ""),
+    "phases": (
+        "phases",
+        "A list of these, in place of `humans`, `trials` and `steps`: [what they are for](phases.md).",
+    ),
     "interaction": ("interaction", ""),
     "record": ("record", ""),
     "expected": ("expected", "By `experiment/agent`, `experiment/agent/human` or `visit/human`."),
 }
+PARTS = {
+    "modules": [{"$ref": "#/$defs/Modules"}],
+    "phases": [{"$ref": f"#/$defs/{name}"} for name in ("TrainingPhase", "SocialPhase", "VisitPhase")],
+}
+"""What the models have that is no section of its own."""
 TAGS = ("kind", "task")
 LARGE = 10_000
 
@@ -37,7 +46,7 @@ def config_page(folder: Path) -> str:
     whole = schema()
     parts = [TEMPLATE.format(example=EXAMPLE, errors=errors(folder))]
     for section, (title, told) in SECTIONS.items():
-        node = whole["properties"].get(section, whole["$defs"]["Modules"]) if section else whole
+        node = whole["properties"].get(section, {"oneOf": PARTS.get(section)}) if section else whole
         parts.append(f"## {title}\n")
         parts += [f"{told}\n"] if told else []
         for entry in entries(node, whole["$defs"]):

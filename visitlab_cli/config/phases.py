@@ -15,14 +15,16 @@ from visitlab_cli.yaml.problems import Issue, Path
 PHASES = "phases"
 """What stands for a human's name where the human changes: in paths, tables and references."""
 MOST_PHASES = 100
+UNSAID: Any = None
+"""What a phase leaves out, and nobody may write."""
 
 
 class Phase(Settings):
-    """What every phase may say; what it leaves out is None, which nobody may write, and is the experiment's."""
+    """What every phase may say; what it leaves out is the experiment's."""
 
-    trials: int = Field(default=None, validate_default=False, ge=1, le=10**9, description="trials of this phase")
+    trials: int = Field(default=UNSAID, validate_default=False, ge=1, le=10**9, description="trials of this phase")
     plan_every: int = Field(
-        default=None,
+        default=UNSAID,
         validate_default=False,
         ge=1,
         le=10**9,
@@ -51,7 +53,7 @@ class TrainingPhase(Phase):
     """A phase of a training: as long as its `steps` or `trials` say."""
 
     steps: int = Field(
-        default=None,
+        default=UNSAID,
         validate_default=False,
         ge=1,
         le=10**12,

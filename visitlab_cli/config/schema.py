@@ -40,6 +40,15 @@ def schema() -> dict[str, Any]:
     start = result["$defs"]["SocialTraining"]["properties"]["start_from"]
     del start["default"]  # null, which nobody may write
     start |= next(each for each in start.pop("anyOf") if each["type"] == "string")
+    for name in ("TrainingPhase", "SocialPhase", "VisitPhase"):
+        for setting in result["$defs"][name]["properties"].values():
+            setting.pop("default", None)  # null, likewise
+    for name in ("NavigationTraining", "GoToHumanTraining", "SocialTraining", "Visit"):
+        training = result["$defs"][name]
+        del training["properties"]["phases"]["default"]  # none, likewise
+        if "humans" in training["properties"]:
+            del training["properties"]["humans"]["default"]
+            training["oneOf"] = [{"required": ["humans"]}, {"required": ["phases"]}]
     for section in ("humans", "agents", "experiments"):
         result["properties"][section]["additionalProperties"] = False  # what is no name
     result["required"] = ["name"]
