@@ -76,6 +76,10 @@ def command(
     if experiment and experiment not in visits:
         near = or_else(experiment, visits)
         raise UsageError(f"--experiment {printable(experiment)}: the run's config declares no such visit{near}")
+    if trials is not None and not human and not matrix:
+        for name in [experiment] if experiment else visits:
+            if config.experiments[name].phases:
+                raise UsageError(f"--trials: {name} has phases, which say their trials; say --human, too")
     how = How(workers, dry_run, as_json, quiet, verbose)
     if matrix:
         planned = planned_cells(folder, config, experiment or visits[0], human or (), trials)

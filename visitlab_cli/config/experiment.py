@@ -130,7 +130,9 @@ class Experiment(Settings):
     def evaluated(self, trials: int | None, social: str, humans: Sequence[str] = ()) -> Self:
         """The same with other trials, another social module, with these `humans` and so without phases, where given."""
         found = self.with_social(social) if social else self
-        if trials is None and not (humans and self.phases):
+        if self.phases and not humans:  # they say their trials
+            return found
+        if trials is None and not self.phases:
             return found
         return found.with_trials(self.n_trials if trials is None else trials)
 
