@@ -26,7 +26,13 @@ main()
 
 
 @pytest.mark.parametrize(
-    ("delay", "number"), [(0.3, signal.SIGINT), (1.0, signal.SIGTERM), (1.7, signal.SIGHUP), (2.4, signal.SIGINT)]
+    ("delay", "number"),
+    [
+        (0.3, signal.SIGINT),
+        pytest.param(1.0, signal.SIGTERM, marks=pytest.mark.slow),
+        (1.7, signal.SIGHUP),
+        pytest.param(2.4, signal.SIGINT, marks=pytest.mark.slow),
+    ],
 )
 def test_while_the_compiler_is_at_work(tmp_path, delay, number):
     program = start("run", TINY, "--out", tmp_path / "runs", env={"VISITLAB_CACHE": str(tmp_path / "cache")})
