@@ -16,7 +16,7 @@ from tests.world.test_rules import settings_of
 
 PACKAGE = Path(visitlab_cli.__file__).parent
 PLAYER = Path(__file__).with_name("package_log.py")
-STEPS = 12_000
+STEPS = 6_000
 BEGINNING = 1_000
 """Rows that are looked at first, for most mutations show there."""
 

@@ -45,7 +45,7 @@ def test_every_logged_step_obeys_the_rules(task, options):
 
 
 def test_the_logs_hold_every_engagement_and_gesture():
-    log = package_log("visit", STEPS)
+    log = package_log("visit", 2 * STEPS)
     assert set(np.unique(log["interaction_level"])) == set(range(8))
     assert set(np.unique(log["action"])) == set(range(31))
     assert log["reward"].sum() > 100
