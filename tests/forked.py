@@ -24,6 +24,8 @@ FIRST, REST = 1 << 16, 1 << 20
 """Bytes that are read of a call at a time: with its streams, and after."""
 LONGEST = 1800
 """Seconds that a program may say nothing."""
+NOT_IMPORTED = {"__main__", "gym", "replay"}
+"""Rooms that lead to Rerun, or are no part of the program."""
 HERE = Path(__file__).resolve().parents[1]
 
 
@@ -91,19 +93,20 @@ def _too_long():
 
 
 def _import_all():
-    """What the program imports, but for Rerun, whose threads would not be there in a fork."""
+    """What the program imports, but for what leads to Rerun, whose threads would not be there in a fork."""
     import importlib
-    import pkgutil
 
-    import visitlab_cli
     from visitlab_cli.same_pictures import same_pictures
+    from visitlab_cli.sources import PACKAGE
 
-    for module in pkgutil.walk_packages(visitlab_cli.__path__, "visitlab_cli."):
-        if not module.name.startswith(("visitlab_cli.replay", "visitlab_cli.__main__")):
-            importlib.import_module(module.name)
+    for file in sorted(PACKAGE.rglob("*.py")):
+        room, *_ = parts = file.relative_to(PACKAGE).with_suffix("").parts
+        if room not in NOT_IMPORTED:
+            importlib.import_module(".".join((PACKAGE.name, *parts)).removesuffix(".__init__"))
     with same_pictures({}):
         importlib.import_module("matplotlib.figure")
         importlib.import_module("matplotlib.backends.backend_svg")
+    assert "rerun" not in sys.modules, "a room that imports it belongs into NOT_IMPORTED"
 
 
 def _serve(connection):
