@@ -29,7 +29,7 @@ FLOORS = [
     {"colours", "scene", "pictures"},
     {"affordances"},
     {"paper"},
-    {"figures", "replay", "report"},
+    {"export", "figures", "replay", "report"},
     {"console", "gym"},
     {"commands", "running"},
     {"cli"},

@@ -1,7 +1,8 @@
-"""A file that appears whole or not at all: written beside its place, then renamed."""
+"""A file or folder that appears whole or not at all: written beside its place, then renamed."""
 
 import contextlib
 import os
+import shutil
 import uuid
 from collections.abc import Iterator
 from pathlib import Path
@@ -40,6 +41,27 @@ def new_file(path: Path) -> Iterator[Path]:
         raise UsageError(f"{path}: exists; choose another file with -o")
     with whole_file(path) as beside:
         yield beside
+
+
+@contextlib.contextmanager
+def new_folder(path: Path) -> Iterator[Path]:
+    """A path to make a folder at, of the name of `path`, whose place it takes at the end of the block.
+
+    Raises:
+        UsageError: `path` exists.
+        RunError: it can't be written.
+    """
+    if path.exists():
+        raise UsageError(f"{path}: exists; choose another folder with -o")
+    beside = path.absolute().with_name(f".tmp-{uuid.uuid4().hex[:8]}-{path.name[-100:]}")
+    try:
+        beside.mkdir()
+        yield beside / path.name
+        os.rename(beside / path.name, path)
+    except OSError as error:
+        raise RunError(f"{path}: can't be written: {reason(error)}") from error
+    finally:
+        shutil.rmtree(beside, ignore_errors=True)
 
 
 def write_whole(path: Path, content: bytes) -> None:

@@ -58,7 +58,7 @@ def test_trainings_too(tiny_run, tmp_path, task):
 @pytest.mark.parametrize(
     ("arguments", "code", "message"),
     [
-        ([], 2, "choose one format: --csv, --parquet or --foxglove"),
+        ([], 2, "choose one format: --csv, --parquet, --foxglove, --minari or --ros2bag"),
         (["--foxglove", "--trial", "99"], 5, "trial 99 is not recorded; the log holds 0 to 3"),
         (["--foxglove", "-o", "mine.mcap"], 2, "mine.mcap: exists; choose another file with -o"),
     ],

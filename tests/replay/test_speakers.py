@@ -5,7 +5,7 @@ import pytest
 from rerun.chunk import RrdReader
 
 from tests.scene.test_words import BEGIN, visit
-from visitlab_cli.replay.foxglove_scene import scene_entities
+from visitlab_cli.export.foxglove_scene import scene_entities
 from visitlab_cli.replay.recording import record
 from visitlab_cli.replay.strip import draw_strip
 from visitlab_cli.report.best_trial import plain_scene

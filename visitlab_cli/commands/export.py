@@ -1,5 +1,6 @@
 """`visitlab export`: recorded trials in the format of another program, or a run's tables."""
 
+import math
 from pathlib import Path
 from typing import Annotated
 
@@ -8,7 +9,6 @@ import typer
 from visitlab_cli.console import completion
 from visitlab_cli.console.help import Help
 from visitlab_cli.console.options import RUNS, Agent, At, Experiment, Human, Json, Out, RunOrFile, Seed
-from visitlab_cli.terminal import tell, tell_json
 
 HELP = Help(
     "Look",
@@ -27,6 +27,10 @@ def command(
     ] = False,
     csv: Annotated[bool, typer.Option("--csv", help="A table of all finished cells that are chosen.")] = False,
     parquet: Annotated[bool, typer.Option("--parquet", help="The same as Parquet, which is small and fast.")] = False,
+    minari: Annotated[
+        bool, typer.Option("--minari", help="A Minari data set, for offline reinforcement learning.")
+    ] = False,
+    ros2bag: Annotated[bool, typer.Option("--ros2bag", help="A ROS 2 bag (MCAP) of poses, map and markers.")] = False,
     table: Annotated[
         str,
         typer.Option(
@@ -44,51 +48,50 @@ def command(
         list[str] | None,
         typer.Option(
             metavar="N|SELECTOR",
-            help="As in replay; may be repeated: more trials of the same cell follow. Default: 0.",
+            help="As in replay; may be repeated: more trials of the same cell follow. Default: 0; of --minari all.",
             show_default=False,
         ),
     ] = None,
     output: Annotated[
         Path | None,
-        typer.Option("--output", "-o", help="The new file; by default named by what is in it.", show_default=False),
+        typer.Option(
+            "--output",
+            "-o",
+            help="The new file or bag, by default named by what is in it; of --minari the folder of data sets.",
+            show_default=False,
+        ),
+    ] = None,
+    cell_size: Annotated[
+        float | None,
+        typer.Option("--cell-size", metavar="METRES", help="Of --ros2bag: a cell's side; 1.", show_default=False),
     ] = None,
     out: Out = RUNS,
     as_json: Json = False,
 ) -> None:
     """Write recorded trials as another program shows them, or tables of a run: choose one of the formats."""
+    from visitlab_cli.console import exports
     from visitlab_cli.errors import UsageError
     from visitlab_cli.plan.selection import Selection
-    from visitlab_cli.replay.choice import Logs, choose_trial, find_logs
+    from visitlab_cli.replay.choice import find_logs
 
-    if foxglove + csv + parquet != 1:
-        raise UsageError("choose one format: --csv, --parquet or --foxglove")
-    selection = Selection(experiment, human, agent, seed, tuple(at or ()))
-    if not foxglove:
+    if foxglove + csv + parquet + minari + ros2bag != 1:
+        raise UsageError("choose one format: --csv, --parquet, --foxglove, --minari or --ros2bag")
+    if cell_size is not None and not (ros2bag and 0 < cell_size < math.inf):
+        raise UsageError(f"--cell-size {cell_size:g}: a length in metres above 0, of --ros2bag only")
+    selection, words = Selection(experiment, human, agent, seed, tuple(at or ())), trial or []
+    if csv or parquet:
         from visitlab_cli.console.tables import tell_table
 
-        if trial:
+        if words:
             raise UsageError(
                 "--trial: a table holds all trials; choose cells by --experiment, --human, --agent, --seed, --at"
             )
         tell_table(run, out, selection, table, output, "csv" if csv else "parquet", as_json)
         return
-
-    from visitlab_cli.replay.foxglove import write_foxglove
-    from visitlab_cli.scene.trial import load_trial
-
-    first, *more = trial or ["0"]
-    chosen = choose_trial(find_logs(run, out, selection), first)
-    if chosen.note:
-        tell(chosen.note, err=True)
-    log = chosen.log
-    numbers = list(dict.fromkeys([chosen.trial, *(choose_trial(Logs((log,)), word).trial for word in more)]))
-    target = output or Path(_name(log.cell, numbers))
-    rows = write_foxglove(target, (load_trial(log.path, number) for number in numbers))
-    told = {"cell": log.cell, "trials": numbers, "rows": rows, "file": str(target)}
-    tell_json(told, None) if as_json else tell(f"{log.cell}, trial {', '.join(map(str, numbers))}: {target}")
-
-
-def _name(cell: str, numbers: list[int]) -> str:
-    """A file's name that says what is in it; `cell` is one of a run, or a file's path."""
-    where = Path(cell).stem if cell.endswith(".mcap") else cell.replace("/", "-")
-    return f"{where}-trial-{'-'.join(map(str, numbers))}.foxglove.mcap"
+    logs = find_logs(run, out, selection)
+    if foxglove:
+        exports.tell_foxglove(logs, words, output, as_json)
+    elif minari:
+        exports.tell_minari(logs, words, output, as_json)
+    else:
+        exports.tell_ros2bag(logs, words, output, as_json, cell_size or 1.0)

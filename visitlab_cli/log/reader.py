@@ -5,6 +5,7 @@ where the whole is read every byte is checked, where a trial is, the chunks that
 """
 
 from collections.abc import Iterable, Iterator, Sequence
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -67,6 +68,28 @@ def iter_steps(path: Path, columns: Sequence[str] | None = None) -> Iterator[Col
         names = _names(path, log, columns)
         for block in log.blocks():
             yield {name: block.steps[name].copy() for name in names}
+
+
+def whole_trials(path: Path, blocks: Iterable[Columns]) -> Iterator[Columns]:
+    """Steps that come in `blocks`, with all of the task's columns, as one block for each trial, from its step 0 on.
+
+    Raises:
+        RunError: a part of a trial is missing.
+    """
+    begun: Columns = {}
+    for block in blocks:
+        rows = {name: np.concatenate([begun[name], values]) for name, values in block.items()} if begun else block
+        trial, step = (rows[name].astype(np.int64) for name in ("trial", "step"))
+        goes_on = (np.diff(step, prepend=-1) == 1) & (np.diff(trial, prepend=trial[:1]) == 0)
+        if not (wrong := goes_on | (step == 0)).all():
+            row = int(np.argmin(wrong))
+            raise RunError(f"{path}: trial {trial[row]} lacks what comes before its step {step[row]}")
+        bounds = np.flatnonzero(step == 0).tolist()
+        for start, end in pairwise(bounds):
+            yield {name: values[start:end] for name, values in rows.items()}
+        begun = {name: values[bounds[-1] :] for name, values in rows.items()} if bounds else {}
+    if begun:
+        yield begun
 
 
 def trials(path: Path) -> Columns:

@@ -128,7 +128,7 @@ def load_trial(path: Path, number: int) -> Trial:
     about = read_metadata(path)
     task, cell = about["task"], about["cell"]
     check_values(path, steps, task, lab)
-    config = _config(path)
+    config = config_of_log(path)
     experiment = config.get("experiments", {}).get(cell.split("/")[0], {})
     arena = int(experiment.get("arena", ARENA)) if task == SOCIAL else None
     distances = config.get("interaction", {}).get("distances", DISTANCES)
@@ -172,15 +172,24 @@ def _learned(path: Path, task: Task, lab: Lab, cell: str, config: dict[str, Any]
 
     with contextlib.suppress(VisitlabError, LookupError, TypeError, AttributeError, ValueError):
         agents = agents_of(config)
-        experiment, player = cell.split("/")[:2]
-        modules = config["experiments"][experiment].get("modules")
-        agent = agents[player if modules is None else module(modules[SOCIAL]).agent]
+        agent = agents[player_of(config, cell)]
         setting = Setting(task.name, *task.size(lab), 1, agents)
         return agent.values(read_model(file, agent.arrays(setting)))
     return None
 
 
-def _config(path: Path) -> dict[str, Any]:
+def player_of(config: dict[str, Any], cell: str) -> str:
+    """The name of the agent that decides in a cell, in a visit its social module's.
+
+    Raises:
+        LookupError: the config says none.
+    """
+    experiment, player = cell.split("/")[:2]
+    modules = config["experiments"][experiment].get("modules")
+    return player if modules is None else module(modules[SOCIAL]).agent
+
+
+def config_of_log(path: Path) -> dict[str, Any]:
     """The config that the log carries; empty where another program wrote the log."""
     try:
         content = read_attachment(path, CONFIG_NAME)

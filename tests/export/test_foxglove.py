@@ -11,9 +11,9 @@ from mcap_protobuf.decoder import DecoderFactory
 
 from tests.log.blocks import random_steps
 from visitlab_cli.errors import RunError, UsageError
+from visitlab_cli.export.foxglove import write_foxglove
+from visitlab_cli.export.foxglove_schema import file_descriptor
 from visitlab_cli.log.reader import Columns
-from visitlab_cli.replay.foxglove import write_foxglove
-from visitlab_cli.replay.foxglove_schema import file_descriptor
 from visitlab_cli.scene.colours import GOAL_FLOOR
 from visitlab_cli.scene.trial import Trial
 from visitlab_cli.scene.words import caption

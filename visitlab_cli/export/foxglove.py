@@ -24,10 +24,10 @@ from google.protobuf.timestamp_pb2 import Timestamp
 from mcap.well_known import MessageEncoding, SchemaEncoding
 from mcap.writer import Writer
 
+from visitlab_cli.export import foxglove_schema
+from visitlab_cli.export.foxglove_scene import Fields, lab_entities, scene_entities, transforms
+from visitlab_cli.export.foxglove_schema import FRAME_TRANSFORMS, LOG, SCENE_UPDATE, message_class
 from visitlab_cli.log import schema
-from visitlab_cli.replay import foxglove_schema
-from visitlab_cli.replay.foxglove_scene import Fields, lab_entities, scene_entities, transforms
-from visitlab_cli.replay.foxglove_schema import FRAME_TRANSFORMS, LOG, SCENE_UPDATE, message_class
 from visitlab_cli.scene.scene import Scene
 from visitlab_cli.scene.trial import Trial
 from visitlab_cli.scene.words import caption

@@ -1,0 +1,1 @@
+"""Recorded trials in the formats of other programs: Foxglove, Minari, ROS 2."""
