@@ -46,7 +46,7 @@ def test_the_page_runs_and_prints_what_it_says(tmp_path, monkeypatch):
     assert done.returncode == 0, done.stderr
     monkeypatch.chdir(tmp_path)
     pieces = PIECE.findall(page)
-    assert len(pieces) == page.count("```python") == 7
+    assert len(pieces) == page.count("```python") == 8
     assert list(outputs(code for code, _ in pieces)) == [output for _, output in pieces]
 
 

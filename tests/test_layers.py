@@ -25,7 +25,7 @@ FLOORS = [
     {"plan"},
     {"execution"},
     {"results"},
-    {"authoring", "door"},
+    {"authoring", "door", "playing"},
     {"colours", "scene", "pictures"},
     {"affordances"},
     {"paper"},

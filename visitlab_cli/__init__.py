@@ -1,6 +1,7 @@
 """visitlab: run, record and replay the 'visit the lab' task (Chartouny, Amini, Khamassi and Girard, 2024).
 
-What other people's code may rely on is here, by name: `load` opens a run and `run` makes one; `AgentParameters` and
+What other people's code may rely on is here, by name: `load` opens a run and `run` makes one; `make_task` makes a task
+that is played step by step; `AgentParameters` and
 `HumanParameters` are what a kind of theirs derives from, `Setting` where an agent plays, `CHOOSE`, `LEARN`, `REACT` and
 `kernel` how a compiled one is registered; the enums say what the numbers of actions, directions and levels mean;
 `check_agent` asks of an agent what agents promise. Each is imported when it is asked for.
@@ -28,6 +29,7 @@ _EXPORTS = {
     "Engagement": "world.enums",
     "InteractionLevel": "world.enums",
     "check_agent": "authoring.check",
+    "make_task": "playing",
     "run": "running",
 }
 """The module of each name."""

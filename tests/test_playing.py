@@ -1,0 +1,91 @@
+"""`visitlab_cli.make_task`: the tasks from Python, as a run plays them."""
+
+import numpy as np
+import pytest
+
+import visitlab_cli
+from visitlab_cli import Action
+from visitlab_cli.errors import UsageError
+from visitlab_cli.log.reader import read_steps
+from visitlab_cli.random_numbers import random_state
+
+HUMAN = {"p_S": [0, 0.5, 0.5], "p_H": 0.2, "p_M": 0.2, "p_O": 0.2, "p_A": 0.05, "p_P": 0.05}
+TABLES = {"navigation": np.zeros((5184, 25)), "go_to_human": np.zeros((320, 25))}
+MADE = {
+    "navigation": {},
+    "go_to_human": {"success": "seen"},
+    "social": {"human": HUMAN, "arena": 30},
+    "visit": {"human": HUMAN, "tables": TABLES, "goal_rooms": [0, 8]},
+}
+
+
+@pytest.mark.parametrize("name", MADE)
+def test_a_trial_is_played_within_the_task(name):
+    task = visitlab_cli.make_task(name, trial_steps=30, **MADE[name])
+    random = task.random(3)
+    scene = task.begin(random)
+    assert (scene.executed_action, scene.engagement) == (Action.NO_ACTION, 0)
+    for action in np.random.default_rng(0).integers(0, task.n_actions, task.trial_steps):
+        assert 0 <= task.observe(scene) < task.n_states
+        scene, reward = task.step(scene, action, random)
+        assert reward in (0.0, 1.0)
+    assert max(scene.robot_row, scene.robot_col) < (30 if name == "social" else 24)
+    assert name != "visit" or scene.goal_room in (0, 8)
+
+
+def test_the_same_seed_is_the_same_trial_and_another_one_another():
+    task = visitlab_cli.make_task("social", human=HUMAN)
+
+    def played(seed):
+        random = task.random(seed)
+        scenes = [task.begin(random)]
+        for _ in range(20):
+            scenes.append(task.step(scenes[-1], Action.GO_TO_HUMAN_VISION, random)[0])
+        return scenes
+
+    assert played(1) == played(1) != played(2)
+
+
+def test_it_plays_what_a_run_logged(tiny_run):
+    """By the scripted agent, which draws nothing from the cell's stream."""
+    cell = "social/script/fast/seed-0000"
+    run = visitlab_cli.load(tiny_run)
+    steps = read_steps(tiny_run / cell / "steps.mcap")
+    task = visitlab_cli.make_task("social", human=run.config["humans"]["fast"])
+    random, scene = random_state(run.config["seed"], cell, "simulation"), None
+    for row in range(200):
+        if steps["step"][row] == 0:
+            scene = task.begin(random) if scene is None else task.begin(random, scene)
+        else:
+            scene, reward = task.step(scene, steps["action"][row], random)
+            assert reward == steps["reward"][row]
+        for name in ("robot_row", "robot_col", "human_row", "human_heading", "desired_direction", "human_action"):
+            assert getattr(scene, name) == steps[name][row]
+        assert task.observe(scene) == steps["state"][row]
+
+
+@pytest.mark.parametrize(
+    ("name", "settings", "told"),
+    [
+        ("socal", {}, r"^socal: no such task; did you mean social\?$"),
+        ("social", {}, "^human: must be given in social$"),
+        ("navigation", {"human": HUMAN}, "^human: there is none in navigation$"),
+        ("social", {"human": {**HUMAN, "p_h": 1}}, r"^human.p_h: unknown; did you mean p_H\?$"),
+        ("social", {"human": HUMAN, "arena": 1, "trial_steps": 0}, r"^arena: .*\(got 1\)\ntrial_steps: .*\(got 0\)$"),
+        ("social", {"human": HUMAN, "aren": 9}, r"^aren: no setting of social; did you mean arena\?$"),
+        ("visit", {"human": HUMAN}, r"^tables: must have navigation of shape \(5184, 25\) and go_to_human of shape"),
+        ("go_to_human", {"distances": [4, 3, 2, 1]}, "^distances: must increase$"),
+        ("navigation", {"trial_steps": object()}, "^settings must be plain values"),
+    ],
+)
+def test_what_is_wrong_is_told_by_the_name_of_the_argument(name, settings, told):
+    with pytest.raises(UsageError, match=told):
+        visitlab_cli.make_task(name, **settings)
+
+
+@pytest.mark.parametrize("action", [-1, 25])
+def test_an_action_that_there_is_not(action):
+    task = visitlab_cli.make_task("navigation")
+    random = task.random(0)
+    with pytest.raises(UsageError, match=f"^action {action}: navigation has 0 to 24$"):
+        task.step(task.begin(random), action, random)

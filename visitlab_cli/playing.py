@@ -1,0 +1,147 @@
+"""Python's way to play a task: `visitlab_cli.make_task`, by the same rules that a run is simulated with."""
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from visitlab_cli.config.experiment import Site, lab_of
+from visitlab_cli.config.loading import load_text
+from visitlab_cli.errors import ConfigError, UsageError
+from visitlab_cli.random_numbers import RandomState, random_state
+from visitlab_cli.wording import or_else
+from visitlab_cli.world.columns import ENGAGEMENT
+from visitlab_cli.world.geometry import DISTANCES
+from visitlab_cli.world.scene import NOWHERE, Scene
+from visitlab_cli.world.task import TRAINING_TRIAL_STEPS, begin_trial, observe, step
+from visitlab_cli.world.tasks import GO_TO_HUMAN, NAVIGATION, SOCIAL, TASKS, VISIT, Task
+
+HUMAN, AGENT, NAME = "met", "nobody", "task"
+SETTINGS = {
+    NAVIGATION: ("trial_steps",),
+    GO_TO_HUMAN: ("trial_steps", "success"),
+    SOCIAL: ("trial_steps", "arena", "direction_change"),
+    VISIT: ("trial_steps", "goal_rooms"),
+}
+"""What an experiment may be told that changes the task itself."""
+
+
+@dataclass(frozen=True)
+class PlayableTask:
+    """A task that is played from Python, one step at a time; it holds no state, so that one serves many trials.
+
+    `record` is what kernels take: `visitlab_cli.world.task` has `begin_trial`, `step` and `observe` of it, which these
+    methods call and a kernel of yours may call, too, at the speed of a run.
+    """
+
+    about: Task
+    record: Any
+    n_states: int
+    n_actions: int
+    trial_steps: int
+
+    def random(self, seed: int) -> RandomState:
+        """A stream of random numbers, which the other methods draw from and so change: shape (4,)."""
+        return random_state(seed, "task", self.about.name)
+
+    def begin(self, random: RandomState, last: Scene = NOWHERE) -> Scene:
+        """The scene that a trial begins in; a visit carries goal room and direction over from the `last` trial's."""
+        scene: Scene = begin_trial(self.record, last, random)
+        return scene
+
+    def step(self, scene: Scene, action: int, random: RandomState) -> tuple[Scene, float]:
+        """The scene after an action of the robot, 0..n_actions-1, and the task's reward.
+
+        Raises:
+            UsageError: there is no such action.
+        """
+        if not 0 <= action < self.n_actions:
+            raise UsageError(f"action {action}: {self.about.name} has 0 to {self.n_actions - 1}")
+        after, reward, _ = step(self.record, scene, int(action), random)
+        return after, float(reward)
+
+    def observe(self, scene: Scene) -> int:
+        """The state, 0..n_states-1, that an agent sees of a scene."""
+        return int(observe(self.record, scene))
+
+
+def make_task(
+    task: str,
+    *,
+    human: Mapping[str, Any] | None = None,
+    distances: Sequence[int] = DISTANCES,
+    tables: Mapping[str, npt.ArrayLike] | None = None,
+    **settings: Any,
+) -> PlayableTask:
+    """Make a task of plain values, as an experiment of a config has them: `make_task("social", human={...})`.
+
+    Args:
+        task: `navigation`, `go_to_human`, `social` or `visit`.
+        human: in social and visit whom the robot meets, as under `humans` in a config.
+        distances: the four thresholds of the categories of distance, in cells.
+        tables: in a visit the `q` of its modules `navigation` and `go_to_human`, of shape (states, actions).
+        settings: `trial_steps`; of go_to_human `success`, of social `arena` and `direction_change`, of a visit
+            `goal_rooms`.
+
+    Raises:
+        UsageError: there is no such task, or a setting is missing, unknown or wrong; a line for each.
+    """
+    if task not in TASKS:
+        raise UsageError(f"{task}: no such task{or_else(task, list(TASKS))}")
+    about = TASKS[task]
+    if about.has(ENGAGEMENT) != (human is not None):
+        raise UsageError(f"human: {'must be given' if human is None else 'there is none'} in {task}")
+    for name in settings:
+        if name not in SETTINGS[task]:
+            raise UsageError(f"{name}: no setting of {task}{or_else(name, SETTINGS[task])}")
+    config = _config(task, human, distances, settings)
+    made = config.experiments[task]
+    lab = lab_of(made)
+    asked = {name: tuple(TASKS[name].size(lab)) for name in made.steering}
+    given = {name: np.ascontiguousarray(table, np.float64) for name, table in (tables or {}).items()}
+    if {name: table.shape for name, table in given.items()} != asked:
+        wanted = " and ".join(f"{name} of shape {shape}" for name, shape in asked.items())
+        raise UsageError(f"tables: must have {wanted or 'nothing'} in {task}")
+    met = config.humans[HUMAN].create() if human is not None else None
+    size = about.size(lab)
+    record = made.task_in(Site(lab, met, config.interaction.distances, given))
+    return PlayableTask(about, record, size.n_states, size.n_actions, made.trial_steps)
+
+
+def _config(task: str, human: Mapping[str, Any] | None, distances: Sequence[int], settings: Mapping[str, Any]) -> Any:
+    """The settings as a checked config, in which the task stands beside what it refers to."""
+    humans = {"humans": {HUMAN: dict(human)}} if human is not None else {}
+    trainings: dict[str, dict[str, Any]] = {
+        name: {"task": name, "agents": [AGENT]} for name in (NAVIGATION, GO_TO_HUMAN, SOCIAL)
+    }
+    trainings[SOCIAL] |= {"humans": [HUMAN]}
+    own = {"task": task, **settings}
+    if task == VISIT:
+        own |= {"modules": {name: f"{name}/{AGENT}" for name in trainings}, "humans": [HUMAN]}
+        experiments = {**trainings, task: own}
+    else:
+        experiments = {task: trainings[task] | {"steps": settings.get("trial_steps", TRAINING_TRIAL_STEPS)} | own}
+    config = {
+        "name": NAME,
+        "agents": {AGENT: {"kind": "random"}},
+        "experiments": experiments,
+        "interaction": {"distances": list(distances)},
+        **humans,
+    }
+    try:
+        return load_text(json.dumps(config), NAME)
+    except ConfigError as error:
+        told = [_in_words(problem) for problem in error.problems if not str(problem["path"]).endswith(".steps")]
+        raise UsageError(*dict.fromkeys(told)) from None
+    except (TypeError, ValueError) as error:
+        raise UsageError(f"settings must be plain values, as YAML has them: {error}") from error
+
+
+def _in_words(problem: Mapping[str, Any]) -> str:
+    """What is wrong with which argument."""
+    path = str(problem["path"] or "").split(".")
+    named = {"experiments": path[2:], "humans": ["human", *path[2:]], "interaction": path[1:]}.get(path[0], path)
+    return f"{'.'.join(named)}: {problem['message']}"
