@@ -58,8 +58,11 @@ def hostile(report):
         each._replace(group=hurt[each.group.path], script=hurt[each.script.path]) for each in facts.against_script
     ]
     marginals = [Marginal(HOSTILE, HOSTILE, HOSTILE, HOSTILE, HOSTILE, Estimate(1.0, 0.1), 2, [lines[0].group])]
+    metrics = [each._replace(group=hurt[each.group.path]) for each in facts.metrics if each.group.path in hurt]
+    assert metrics
     facts = facts._replace(
         name=HOSTILE,
+        metrics=metrics,
         summaries=lines,
         expected=expected,
         pairs=pairs,
@@ -124,6 +127,21 @@ def test_a_script_is_compared_seed_by_seed_and_nowhere_else(tiny_run, tiny_page)
     others = [{group.agent for group in pair.groups} for pair in two_learners(facts)]
     assert others
     assert not any("script" in agents for agents in others)
+
+
+def test_the_interactions_that_were_recorded_are_told_of_each_group(tiny_run, tiny_page):
+    parsed = Parsed(tiny_page.read_text())
+    told = [each for each in gather(tiny_run).facts.metrics if each.group.experiment == "visit"]
+    assert {each.group.human for each in told} == {"fast", "slow"}
+    heads = [each["data-label"] for each in parsed.attributes("td") if "data-label" in each]
+    assert heads.count("Robot faces human") == len(gather(tiny_run).facts.metrics)
+    gaze = told[0].values["robot_gaze"][0].mean
+    assert f"{gaze:.0%}" in parsed.text[parsed.text.index("From the logs, means") :]
+    assert f"visitlab metrics {gather(tiny_run).facts.name}" in parsed.text
+
+
+def test_without_logs_there_are_no_interactions(grid_page):
+    assert "Interactions" not in Parsed(grid_page.read_text()).text
 
 
 def test_every_line_is_there_without_a_script_and_says_what_it_is_of(grid_page):

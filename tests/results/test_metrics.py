@@ -144,6 +144,12 @@ def test_the_command_the_door_and_the_page_name_every_metric(tiny_run):
     frame = visitlab_cli.load(tiny_run).metrics(experiment="visit")
     assert list(frame["metric"]) == [row["metric"] for row in told]
     assert list(frame["mean"]) == [row["mean"] for row in told]
+    shown = json.loads(visitlab("runs", "show", tiny_run, "--metrics", "--json").stdout)
+    assert [row for row in shown["metrics"] if row["experiment"] == "visit"] == told
+    assert {row["experiment"] for row in shown["metrics"]} == {"social", "visit", "visit_scripted"}
+    assert "metrics" not in json.loads(visitlab("runs", "show", tiny_run, "--json").stdout)
+    table = visitlab("runs", "show", tiny_run, "--metrics").stdout
+    assert visitlab("metrics", tiny_run).stdout in table
     done = visitlab("metrics", tiny_run, "-e", "visit")
     assert [line.split()[3] for line in done.stdout.splitlines()[1:]] == [row["metric"] for row in told]
     page = (Path(visitlab_cli.__file__).parents[1] / "docs" / "metrics.md").read_text()

@@ -8,6 +8,7 @@ from visitlab_cli.plan.cells import Cell
 from visitlab_cli.results.against_script import AgainstScript
 from visitlab_cli.results.expected import Result
 from visitlab_cli.results.marginal import Marginal
+from visitlab_cli.results.metrics import GroupMetrics
 from visitlab_cli.results.pairs import Pair
 from visitlab_cli.results.summary import Summary
 
@@ -16,7 +17,7 @@ class Facts(NamedTuple):
     """A run: `expected` by the path of a group, `versions` by name all that its cells were made with.
 
     `evaluated` is what visits with options of their own reached, `pairs` how agents differ, `against_script` how they
-    differ from the script.
+    differ from the script, `metrics` what the interactions were like that were recorded.
     """
 
     name: str
@@ -27,6 +28,7 @@ class Facts(NamedTuple):
     pairs: list[Pair]
     against_script: list[AgainstScript]
     marginals: list[Marginal]
+    metrics: list[GroupMetrics]
     expected: dict[str, Result]
     versions: dict[str, list[str]]
 

@@ -15,6 +15,7 @@ from visitlab_cli.results.against_script import against_script
 from visitlab_cli.results.evaluated import evaluated
 from visitlab_cli.results.expected import Result, results
 from visitlab_cli.results.marginal import marginals
+from visitlab_cli.results.metrics import recorded_metrics
 from visitlab_cli.results.pairs import AGENT, Pair, compare_by
 from visitlab_cli.results.summary import summaries
 from visitlab_cli.storage.cell_folder import SOURCES, read_cell
@@ -45,7 +46,8 @@ def gather(run: Path) -> Report:
     cells = plan(config)
     lines = summaries(run, cells)
     groups = [line.group for line in lines]
-    played = [line for those in evaluated(run, config).values() for line in summaries(run, those)]
+    others = [*evaluated(run, config).values()]
+    played = [line for those in others for line in summaries(run, those)]
     expected, versions = _expected(run, config, cells), _versions(run, cells)
     facts = Facts(
         name=run_name(config),
@@ -56,6 +58,7 @@ def gather(run: Path) -> Report:
         pairs=_pairs(run, cells),
         against_script=against_script(run, groups),
         marginals=marginals(run, groups),
+        metrics=[each for those in (cells, *others) for each in recorded_metrics(run, those)],
         expected=expected,
         versions=versions,
     )

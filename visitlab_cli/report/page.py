@@ -14,6 +14,7 @@ from visitlab_cli.report.choices import Choices
 from visitlab_cli.report.curves import Chart
 from visitlab_cli.report.differences import against_script, differences
 from visitlab_cli.report.facts import Facts
+from visitlab_cli.report.interactions import interactions
 from visitlab_cli.report.marginal_table import marginal_means
 from visitlab_cli.report.markup import Html, element
 from visitlab_cli.report.results_table import results
@@ -36,6 +37,7 @@ SECTIONS = {
     "marginal": "Marginal means",
     "script": "Learned against the script",
     "differences": "Agents compared",
+    "interactions": "Interactions",
     "curves": "Learning curves",
     "trial": "Best trial",
 }
@@ -52,6 +54,7 @@ def render(facts: Facts, curves: Sequence[Chart], trials: Sequence[dict[str, Any
         "marginal": marginal_means(facts, choices, SECTIONS["marginal"]),
         "script": against_script(facts, choices, SECTIONS["script"]),
         "differences": differences(facts, choices, SECTIONS["differences"]),
+        "interactions": interactions(facts, choices, SECTIONS["interactions"]),
         "curves": charts(curves, SECTIONS["curves"]),
         "trial": trial(facts, trials, SECTIONS["trial"]),
     }

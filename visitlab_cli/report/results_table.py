@@ -9,6 +9,7 @@ from visitlab_cli.report.markup import Html, element
 from visitlab_cli.report.sections import section
 from visitlab_cli.report.tables import UNKNOWN, Body, Row, agent_named, setting, table
 from visitlab_cli.results.expected import Result
+from visitlab_cli.results.groups import Group
 from visitlab_cli.results.summary import LEVEL, Summary
 from visitlab_cli.results.units import SHARED
 
@@ -26,8 +27,8 @@ def results(facts: Facts, choices: Choices, title: str) -> Html:
     lines = facts.lines
     heads = [AGENT, HUMAN, *choices.varied.heads.values(), *MEASURED, *([EXPECTS] if facts.expected else [])]
     bodies = []
-    for name in dict.fromkeys(map(_title, lines)):
-        members = [(number, line) for number, line in enumerate(lines) if _title(line) == name]
+    for name in dict.fromkeys(title_of(line.group) for line in lines):
+        members = [(number, line) for number, line in enumerate(lines) if title_of(line.group) == name]
         scale = scale_of(line.value for _, line in members)
         rows = [Row(number, _cells(line, choices, facts, scale)) for number, line in members]
         bodies.append(Body(name, members[0][1].group.measure, rows))
@@ -35,11 +36,6 @@ def results(facts: Facts, choices: Choices, title: str) -> Html:
     shared = SHARED if any(line.units.shared for line in lines) else None
     note = element("p", " ".join(filter(None, (NOTE, frozen, shared))), class_="note")
     return section("results", title, note, table(title, heads, bodies))
-
-
-def _title(line: Summary) -> str:
-    evaluation = line.group.evaluation
-    return f"{line.group.experiment}, {evaluation.words}" if evaluation.folder else line.group.experiment
 
 
 def _cells(line: Summary, choices: Choices, facts: Facts, scale: Scale) -> list[Html]:
@@ -51,7 +47,7 @@ def _cells(line: Summary, choices: Choices, facts: Facts, scale: Scale) -> list[
         UNKNOWN if line.steps_to_level is None else f"{line.steps_to_level:,.0f}",
     ]
     return [
-        *_condition(line, choices, facts.hues),
+        *condition(line.group, choices, facts.hues),
         element("b", "not run yet" if line.value is None else line.value.in_words(unknown="")),
         picture(line.value, scale),
         *map(Html, measured),
@@ -59,9 +55,14 @@ def _cells(line: Summary, choices: Choices, facts: Facts, scale: Scale) -> list[
     ]
 
 
-def _condition(line: Summary, choices: Choices, hues: Mapping[str, int]) -> Sequence[Html]:
+def title_of(group: Group) -> str:
+    """Under which title a group's line stands."""
+    evaluation = group.evaluation
+    return f"{group.experiment}, {evaluation.words}" if evaluation.folder else group.experiment
+
+
+def condition(group: Group, choices: Choices, hues: Mapping[str, int]) -> Sequence[Html]:
     """Who was it, with whom, and at which varied settings."""
-    group = line.group
     settings = map(setting, choices.settings(group).values())
     return [agent_named(group.agent, hues), setting(group.human), *settings]
 

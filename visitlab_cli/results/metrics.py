@@ -4,6 +4,7 @@ Such numbers are told of robots among people by HuNavSim (Perez-Higueras et al.,
 2024) and Arena; here distances are in cells and times in steps. docs/metrics.md has each definition.
 """
 
+import contextlib
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -236,6 +237,7 @@ class GroupMetrics(NamedTuple):
 
     def as_rows(self) -> list[dict[str, Any]]:
         """A line a metric, as plain values."""
+        evaluation = self.group.evaluation
         return [
             {
                 "experiment": self.group.experiment,
@@ -243,6 +245,7 @@ class GroupMetrics(NamedTuple):
                 "human": self.human or None,
                 "point": dict(self.group.point),
                 **({} if self.part == WHOLE else self.part._asdict()),
+                **({"played": evaluation.words} if evaluation.folder else {}),
                 "metric": name,
                 "unit": METRICS[name].unit,
                 "n": units.n,
@@ -266,6 +269,18 @@ def group_metrics(run: Path, cells: Sequence[Cell], first: int = FIRST) -> list[
         what = "no finished cell" if social else "no training of the social module and no visit"
         raise NotFoundError(f"{run}: has {what}, and metrics are of these")
     return [each for group in groups_of(done) for each in _of_group(run, group, first)]
+
+
+def recorded_metrics(run: Path, cells: Sequence[Cell], first: int = FIRST) -> list[GroupMetrics]:
+    """As `group_metrics`, of the cells that have a log; none where there is no such cell.
+
+    Raises:
+        RunError: a log is damaged.
+    """
+    recorded = [cell for cell in cells if (run / cell.path / STEPS).is_file()]
+    with contextlib.suppress(NotFoundError):
+        return group_metrics(run, recorded, first)
+    return []
 
 
 def _of_group(run: Path, group: Group, first: int) -> Iterator[GroupMetrics]:

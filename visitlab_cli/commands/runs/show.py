@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from visitlab_cli.console.help import Help
+from visitlab_cli.console.metrics import metrics_table
 from visitlab_cli.console.options import RUNS, First, Json, Out, Run
 from visitlab_cli.console.phases import table_and_notes
 from visitlab_cli.console.words import age_in_words, aligned, number, run_again, size_in_words
@@ -24,6 +25,7 @@ HELP = Help(
     examples=(
         "visitlab runs show quickstart",
         "visitlab runs show latest --level 0.5",
+        "visitlab runs show quickstart --metrics",
     ),
 )
 
@@ -34,6 +36,9 @@ def command(
         float, typer.Option(min=0, max=1, help="The part of the final value that counts as learned.")
     ] = 0.9,
     first: First = 20,
+    metrics: Annotated[
+        bool, typer.Option("--metrics", help="Also what the interactions were like, as visitlab metrics tells.")
+    ] = False,
     out: Out = RUNS,
     as_json: Json = False,
 ) -> None:
@@ -42,6 +47,7 @@ def command(
     from visitlab_cli.errors import UsageError
     from visitlab_cli.plan.cells import plan
     from visitlab_cli.results.evaluated import evaluated
+    from visitlab_cli.results.metrics import recorded_metrics
     from visitlab_cli.results.phases import phase_results
     from visitlab_cli.results.runs import run_line
     from visitlab_cli.results.summary import summaries
@@ -60,11 +66,17 @@ def command(
     line = run_line(folder, config, cells)
     played = [cell for those in evaluated(folder, config).values() for cell in those]
     lines, phases = summaries(folder, [*cells, *played], level), phase_results(folder, cells, first)
+    interactions = recorded_metrics(folder, [*cells, *played], first) if metrics else []
     if as_json:
         whole = {"run": str(folder), **line.as_json(), "level": level, "results": [each.as_json() for each in lines]}
-        tell_json(whole | ({"first": first, "phases": [each.as_json() for each in phases]} if phases else {}))
-    else:
-        tell_text("\n".join([_text(line, lines, level), *(["", *table_and_notes(phases, first)] if phases else [])]))
+        whole |= {"first": first, "phases": [each.as_json() for each in phases]} if phases else {}
+        tell_json(whole | ({"metrics": [row for each in interactions for row in each.as_rows()]} if metrics else {}))
+        return
+    tell_text("\n".join([_text(line, lines, level), *(["", *table_and_notes(phases, first)] if phases else [])]))
+    if interactions:
+        tell_text("\n" + metrics_table(interactions))
+    elif metrics:
+        tell(f"{folder}: no finished cell with a human who can be engaged has a log, which metrics are of", err=True)
 
 
 def _text(line: "RunLine", lines: "list[Summary]", level: float) -> str:
