@@ -94,7 +94,7 @@ def test_no_text_is_a_formula():
 @pytest.mark.parametrize(
     ("arguments", "code", "line"),
     [
-        (["--csv", "--parquet"], 2, "choose one format: --csv, --parquet or --foxglove"),
+        (["--csv", "--parquet"], 2, "choose one format: --csv, --parquet, --foxglove, --minari or --ros2bag"),
         (["--csv", "--table", "trails"], 2, "--table trails: no such table; did you mean trials?"),
         (["--csv", "-o", "x.parquet"], 2, "--output x.parquet: must end in .csv"),
         (

@@ -155,7 +155,7 @@ def phase_of_log(path: Path, steps: Steps) -> str:
     if "phase" not in steps:
         return ""
     cell = read_metadata(path)["cell"]
-    return phase_in_words(steps, _config(path).get("experiments", {}).get(cell.split("/")[0], {}))
+    return phase_in_words(steps, config_of_log(path).get("experiments", {}).get(cell.split("/")[0], {}))
 
 
 def lab_of_log(path: Path) -> Lab:
