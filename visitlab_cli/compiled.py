@@ -131,10 +131,15 @@ class Operation:
         )
         self.function: Callable[..., Any] = scope[signature.__name__]
         self.function.__doc__ = signature.__doc__
+        operations[self.function] = self
         overload(self.function, strict=False)(scope["choice"])  # annotations may differ, names may not
 
     def _find(self, first: Any) -> Callable[..., Any] | None:
         return self._table.get(first.instance_class) if isinstance(first, types.BaseNamedTuple) else None  # type: ignore[attr-defined]
+
+    def plain(self, record: type) -> Callable[..., Any]:
+        """What it is for a record: the function as it was registered."""
+        return self._table[record]
 
     def of(self, record: type) -> Callable[[Function], Function]:
         """Decorator: this plain function is the operation for `record`."""
@@ -146,6 +151,10 @@ class Operation:
             return function
 
         return register
+
+
+operations: dict[Callable[..., Any], Operation] = {}
+"""Each by its function."""
 
 
 def written(name: str, arguments: str, lines: Iterable[str], **names: Any) -> Callable[..., Any]:

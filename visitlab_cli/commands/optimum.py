@@ -1,4 +1,4 @@
-"""`visitlab optimum`: what is possible at all in navigation and go_to_human, exactly."""
+"""`visitlab optimum`: what is possible at all in navigation, go_to_human and the social task, exactly."""
 
 import math
 from typing import Annotated
@@ -24,7 +24,10 @@ def command(
     gamma: Annotated[float, typer.Option(min=0, max=0.999, help="Discount factor of the discounted values.")] = 0.9,
     as_json: Json = False,
 ) -> None:
-    """Exact values: the best policy and random actions, means over random starts; nothing is simulated."""
+    """Exact values: the best policy and random actions, means over random starts; nothing is simulated.
+
+    Of the social task for who sees all, with the paper's four humans: computed once, in a minute or two, and kept.
+    """
     from visitlab_cli.errors import UsageError
     from visitlab_cli.exact.values import exact_values
 
@@ -34,8 +37,15 @@ def command(
     if as_json:
         tell_json({"gamma": gamma, "values": [each._asdict() for each in values]})
         return
-    rows = [["task", "success", "measure", "optimal", "random"]]
+    rows = [["task", "success", "human", "measure", "optimal", "random"]]
     rows += [
-        [each.task, each.success or "-", each.measure, f"{each.optimal:.4f}", f"{each.random:.4f}"] for each in values
+        [
+            each.task,
+            each.success or "-",
+            each.human or "-",
+            each.measure,
+            *(f"{value:.{each.digits}f}" for value in (each.optimal, each.random)),
+        ]
+        for each in values
     ]
-    tell_text(aligned(rows, words=3))
+    tell_text(aligned(rows, words=4))

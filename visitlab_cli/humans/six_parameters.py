@@ -78,10 +78,9 @@ def engage(human: Human, geometry: Geometry, scene: Scene, action: int, random: 
     return engagement
 
 
-@REACT.of(Human)
-def react(human: Human, lab: Lab, geometry: Geometry, scene: Scene, action: int, random: RandomState) -> Reaction:
-    """Engagement, then movement, then gaze."""
-    engagement = engage(human, geometry, scene, action, random)
+@kernel
+def behave(human: Human, lab: Lab, scene: Scene, engagement: int, action: int, random: RandomState) -> Reaction:
+    """Movement, then gaze, of a human whose engagement after the robot's `action` in `scene` is decided."""
     towards_robot = (scene.angle + N_DIRECTIONS // 2) % N_DIRECTIONS
     direction = -1
     if engagement == Engagement.NONE:
@@ -100,3 +99,9 @@ def react(human: Human, lab: Lab, geometry: Geometry, scene: Scene, action: int,
     elif happens(random, human.p_O):
         heading = random_direction(random)
     return reaction(body.row, body.col, heading, engagement, human_action, scene.human_memory)
+
+
+@REACT.of(Human)
+def react(human: Human, lab: Lab, geometry: Geometry, scene: Scene, action: int, random: RandomState) -> Reaction:
+    """Engagement, then movement, then gaze."""
+    return behave(human, lab, scene, engage(human, geometry, scene, action, random), action, random)

@@ -10,10 +10,11 @@ import numpy.typing as npt
 
 from visitlab_cli.colours import Look, looks_of
 from visitlab_cli.config.experiment import Experiment
-from visitlab_cli.exact.values import Possible, possible
+from visitlab_cli.exact.values import Possible
 from visitlab_cli.plan.cells import Cell
 from visitlab_cli.results.curves import curve_of
 from visitlab_cli.results.groups import Group
+from visitlab_cli.results.possible import possible_in
 from visitlab_cli.results.varying import names_within, varying
 from visitlab_cli.storage.cell_folder import read_cell
 
@@ -127,8 +128,9 @@ def _visits(groups: Sequence[Group]) -> list[Experiment]:
 
 def bounds_of(groups: Sequence[Group]) -> Possible | None:
     """The exact values that all groups of an experiment share."""
-    settings = {(group.cells[0].settings, group.cells[0].config.interaction.distances) for group in groups}
-    found = {possible(*each) for each in settings}
+    cells = [group.cells[0] for group in groups]
+    humans = {cell.config.humans[cell.human] for cell in cells if cell.human}
+    found = {possible_in(cell) for cell in cells} if len(humans) <= 1 else set()  # a grid of humans would take long
     return found.pop() if len(found) == 1 else None
 
 

@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from visitlab_cli.exact.values import possible
 from visitlab_cli.paper.figures.designs import Condition, Design
 from visitlab_cli.paper.figures.panel import CHANCE, OPTIMUM, Line, Panel, Reference
 from visitlab_cli.paper.figures.source import Group, Source
@@ -11,6 +10,7 @@ from visitlab_cli.paper.published.curves import PublishedCurve, published_curves
 from visitlab_cli.pictures.style import GREY
 from visitlab_cli.plan.cells import Cell
 from visitlab_cli.results.curves import curve_of, equal_edges, spread_of
+from visitlab_cli.results.possible import possible_in
 
 BATCHES, VISIT_BATCHES = 100, 50  # as published
 SPREADS = "standard deviation in the last quarter\nbetween models, between visits"
@@ -123,11 +123,17 @@ def _name(condition: Condition, cell: Cell) -> str:
 
 
 def _references(source: Source, design: Design, shown: Sequence[Shown]) -> list[Reference]:
-    """The exact values where they are known, else the means of the run's own reference groups."""
+    """The exact values where they are known, else the means of the run's own reference groups.
+
+    An optimum that is not the same for all has a line for each; chance, which hardly differs, has that of the first.
+    """
     first = shown[0].group.cells[0]
-    exact = possible(first.settings, first.config.interaction.distances)
-    if exact is not None:
-        return [Reference(OPTIMUM, exact.optimum), Reference(CHANCE, exact.random)]
+    exact = [(known, each.condition.colour) for each in shown if (known := possible_in(each.group.cells[0]))]
+    if len(exact) == len(shown):
+        best = [(known.optimum, colour) for known, colour in exact]
+        alike = len({value for value, _ in best}) == 1
+        lines = [Reference(OPTIMUM, best[0][0])] if alike else [Reference(OPTIMUM, *each) for each in best]
+        return [*lines, Reference(CHANCE, exact[0][0].random)]
     found = []
     for kind, group in design.references:
         if IN_EACH_LINE in group:

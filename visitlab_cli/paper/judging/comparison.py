@@ -11,13 +11,14 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from visitlab_cli.exact.values import Possible, possible
+from visitlab_cli.exact.values import Possible
 from visitlab_cli.paper.judging.judge import MARGIN, PUBLISHED_SEEDS, Judgement, Verdict, judge, worst
 from visitlab_cli.paper.judging.variants import Variant, changes
 from visitlab_cli.paper.published.counterparts import COUNTERPARTS, Absent, OurCurve, curve_of_group, our_curves
 from visitlab_cli.paper.published.curves import PublishedCurve
 from visitlab_cli.plan.cells import Cell
 from visitlab_cli.results.curves import Curve
+from visitlab_cli.results.possible import possible_in
 
 FIRST, MIDDLE, LAST, WHOLE = ("first_tenth", "middle_tenth", "last_tenth", "whole")
 UNEXPLAINED = "unexplained"
@@ -125,9 +126,7 @@ def compare(run: Path, cells: Sequence[Cell], variants: Sequence[Variant] = (), 
         differing = worst([part.verdict for part in parts.values()]) != Verdict.AGREES
         tried = [each for variant in variants if (each := _try(variant, ours, published, margin))] if differing else []
         one_model = judge_parts(ours.curve, published.mean, margin, 1) if published.figure in RESTS_ON_ONE_MODEL else {}
-        distances = ours.cell.config.interaction.distances
-        best = possible(ours.cell.settings, distances)
-        compared.curves.append(Comparison(published, ours, parts, one_model, best, tried))
+        compared.curves.append(Comparison(published, ours, parts, one_model, possible_in(ours.cell), tried))
     return compared
 
 

@@ -1,4 +1,4 @@
-"""How much of the possible was reached: beside the exact optimum, or a script that is told the rules."""
+"""How much of the possible was reached: beside the exact optimum, in a visit a script that is told the rules."""
 
 from typing import NamedTuple
 
@@ -27,7 +27,14 @@ def yardstick(source: Source, curve: Comparison) -> Yardstick | None:
     """What a curve is measured by; None where the run has no script or no random actions for it."""
     if curve.possible:
         return Yardstick(OPTIMUM, curve.possible.optimum, curve.possible.random)
+    return _script(source, curve)
+
+
+def _script(source: Source, curve: Comparison) -> Yardstick | None:
+    """The run's script beside a curve; None where it has none, or no random actions."""
     (design,) = [design for design in (*FIG_6, *FIG_8) if design.published == curve.published.figure]
+    if not any(kind == SCRIPT for kind, _ in design.references):
+        return None
     best, random = (_reference(source, design, kind, curve.ours.cell) for kind in (SCRIPT, CHANCE))
     return None if best is None or random is None else Yardstick(SCRIPT, best, random)
 
@@ -53,11 +60,11 @@ def possible_table(evidence: Evidence) -> str:
 
 def beaten_by_script(evidence: Evidence) -> str:
     """How many curves a script without any learning is above; empty where none was run."""
-    found = [(yardstick(evidence.source, curve), curve) for curve in evidence.compared.curves]
-    scripted = {curve.ours.group: (best, curve) for best, curve in found if best and best.kind == SCRIPT}
+    found = [(_script(evidence.source, curve), curve) for curve in evidence.compared.curves]
+    scripted = {curve.ours.group: (script, curve) for script, curve in found if script}
     if not scripted:
         return ""
-    above = [best.share(curve.parts[LAST].ours) for best, curve in scripted.values()]
+    above = [script.share(curve.parts[LAST].ours) for script, curve in scripted.values()]
     below = sum(share < 1 for share in above)
     return (
         f"**A script is better than {below} of {len(above)} learned behaviours.** Approach, hello, come, point if "
