@@ -8,7 +8,7 @@ import pytest
 
 from tests.oracle import rules
 from tests.oracle.grid import Grid
-from visitlab_cli.exact.draws import outcomes
+from visitlab_cli.exact.draws import Ways, outcomes, undecided
 from visitlab_cli.humans.six_parameters import SixParameters, random_speed
 from visitlab_cli.random_numbers import happens, random_below, random_state
 from visitlab_cli.world.enums import Action, Engagement
@@ -19,14 +19,24 @@ ODD = SixParameters(p_S=(0.2, 0.3, 0.5), p_H=0.35, p_M=0.15, p_O=0.25, p_A=0.1, 
 SIDE = 61
 
 
+def drawn_first(kernel, *others):
+    """The outcomes of a kernel whose first argument is the random state."""
+    function, ways, found, going = undecided(kernel), Ways(), {}, True
+    while going:
+        result = function(ways, *others)
+        found[result] = found.get(result, 0) + ways.probability
+        going = ways.turn()
+    return found
+
+
 def test_a_chance_goes_both_ways():
-    assert outcomes(happens, 0.3) == pytest.approx({True: 0.3, False: 0.7})
-    assert outcomes(happens, 0.0) == {False: 1.0}
-    assert outcomes(happens, 1.0) == {True: 1.0}
+    assert drawn_first(happens, 0.3) == pytest.approx({True: 0.3, False: 0.7})
+    assert drawn_first(happens, 0.0) == {False: 1.0}
+    assert drawn_first(happens, 1.0) == {True: 1.0}
 
 
 def test_a_whole_number_takes_each_value():
-    assert outcomes(random_below, 5) == pytest.approx(dict.fromkeys(range(5), 0.2))
+    assert drawn_first(random_below, 5) == pytest.approx(dict.fromkeys(range(5), 0.2))
     assert outcomes(random_direction) == dict.fromkeys(range(8), 0.125)
 
 
@@ -81,9 +91,12 @@ def by_the_world(task, scene, action):
     return found
 
 
-@pytest.mark.parametrize("action", [Action.MOVE_2_NORTH_EAST, Action.LOOK, Action.HELLO, Action.COME, Action.POINT, 29])
+@pytest.mark.parametrize(
+    "action",
+    [Action.MOVE_2_NORTH_EAST, Action.LOOK, Action.HELLO, Action.COME, Action.POINT, Action.GO_TO_HUMAN_VISION],
+)
 def test_a_step_has_the_outcomes_that_the_oracle_gives_it(action):
-    for task, scene in scenes(12):
+    for task, scene in scenes(3 if action == Action.GO_TO_HUMAN_VISION else 8):
         ours, theirs = by_the_world(task, scene, int(action)), by_the_oracle(scene, int(action), task.direction_change)
         assert {outcome for outcome, p in theirs.items() if p > 0} == set(ours)
         assert dict(ours) == pytest.approx({outcome: p for outcome, p in theirs.items() if p > 0}, abs=1e-12)
@@ -91,7 +104,7 @@ def test_a_step_has_the_outcomes_that_the_oracle_gives_it(action):
 
 def test_sampled_steps_fall_as_often_as_was_said():
     random = random_state(4)
-    for task, scene in scenes(4):
+    for task, scene in scenes(2):
         expected, n = outcomes(step, task, scene, Action.HELLO.value), 4000
         seen = Counter(step(task, scene, Action.HELLO.value, random) for _ in range(n))
         assert set(seen) <= set(expected)

@@ -32,7 +32,7 @@ SIDE, CHANGE = 61, 0.2
 
 @pytest.fixture(scope="module")
 def calm():
-    return model_of(CALM, CHANGE, DISTANCES)
+    return model_of(CALM, 0.0, DISTANCES)
 
 
 def place_of(model, scene):
@@ -67,7 +67,7 @@ STARTS = [(2, 3, 6, 7, Engagement.GREETED, 2), (-2, 0, 1, 6, Engagement.FOLLOWIN
 
 @pytest.mark.parametrize("start", STARTS)
 def test_two_steps_are_worth_what_the_whole_tree_says(calm, start):
-    task = make_social(CALM.create(), arena=SIDE, direction_change=CHANGE)
+    task = make_social(CALM.create(), arena=SIDE, direction_change=0.0)
     row, col, robot, human, engagement, desired = start
     middle = SIDE // 2
     scene = first_scene(task.geometry, NOWHERE, Body(middle + row, middle + col, robot), Body(middle, middle, human))
@@ -79,13 +79,13 @@ def test_two_steps_are_worth_what_the_whole_tree_says(calm, start):
 
 
 def test_farther_offsets_change_nothing(calm):
-    farther = social_model(CALM.create(), DISTANCES, calm.reach + 2, CHANGE)
+    farther = social_model(CALM.create(), DISTANCES, calm.reach + 2, 0.0)
     found = []
     for model in (calm, farther):
         *_, (values, _) = Induction(model).optimal(6)
         found.append(mean_over_starts(model, values, 120))
     assert found[0] == pytest.approx(found[1], abs=1e-12)
-    assert found[0] > 1
+    assert found[0] > 0.1
 
 
 def test_random_actions_need_not_see_the_direction(calm):
@@ -113,7 +113,7 @@ def played(human, steps, trials, seed):
 
 
 def test_the_best_actions_earn_what_is_promised():
-    rewards, promised = played(ODD, 8, 1500, 3)
+    rewards, promised = played(ODD, 8, 800, 3)
     assert abs(rewards.mean() - promised) < 4.5 * rewards.std() / math.sqrt(len(rewards))
 
 
@@ -128,7 +128,7 @@ def test_the_papers_humans(name):
     assert abs(rewards.mean() - found) < 0.05 + 3 * rewards.std() / math.sqrt(len(rewards))
 
 
-@pytest.fixture()
+@pytest.fixture
 def own_cache(tmp_path, monkeypatch):
     monkeypatch.setenv("VISITLAB_CACHE", str(tmp_path / "cache"))
     social._value.cache_clear()
@@ -151,14 +151,13 @@ def test_what_was_computed_is_kept_and_only_for_the_same_question(own_cache, mon
         random_reward(CALM, trial_steps=3)
 
 
-@pytest.mark.parametrize(
-    "damage", [lambda data: data[: len(data) // 2], lambda data: data.replace(b"p-", b"p+"), bytes]
-)
+@pytest.mark.parametrize("damage", [lambda data: data[: len(data) // 2], lambda data: data.replace(b"0x1.", b"0x1.1")])
 def test_a_damaged_value_is_computed_anew(own_cache, damage):
     first = optimum(CALM, trial_steps=3)
     (file,) = [file for folder in own_cache.iterdir() for file in folder.iterdir()]
     whole = file.read_bytes()
-    file.write_bytes(damage(whole) if damage is not bytes else b"")
+    file.write_bytes(damage(whole))
+    assert file.read_bytes() != whole
     social._value.cache_clear()
     assert optimum(CALM, trial_steps=3) == first
     assert file.read_bytes() == whole

@@ -12,6 +12,8 @@ from visitlab_cli.exact.go_to_human import go_to_human_motion, go_to_human_optim
 from visitlab_cli.exact.motion import optimal_sums
 from visitlab_cli.exact.navigation import navigation_optimal_q, navigation_optimum, navigation_random
 from visitlab_cli.exact.values import Possible, exact_values, possible
+from visitlab_cli.exact.social import optimum, random_reward
+from visitlab_cli.humans.six_parameters import SixParameters
 from visitlab_cli.random_numbers import random_state
 from visitlab_cli.simulation.loop import START, play
 from visitlab_cli.world.columns import empty_columns
@@ -92,10 +94,16 @@ def test_what_is_possible_in_an_experiment():
     assert possible(navigation) == Possible(navigation_optimum(5), navigation_random(5))
     seen = GoToHumanTraining(task="go_to_human", agents=("a",), success="seen")
     assert possible(seen) == Possible(go_to_human_optimum(20, "seen"), go_to_human_random(20, "seen"))
-    assert possible(SocialTraining(task="social", agents=("a",), humans=("h",))) is None
+    social = SocialTraining(task="social", agents=("a",), humans=("h",), trial_steps=4)
+    human = SixParameters(p_S=(0, 0, 1))
+    assert possible(social, human=human) == Possible(optimum(human, 4), random_reward(human, 4))
+    assert possible(social) is None
+    assert possible(social.model_copy(update={"arena": 20}), human=human) is None
 
 
-def test_the_list_holds_both_tasks():
+def test_the_list_holds_the_three_trainings_and_the_papers_humans():
     lines = exact_values(0.9)
-    assert {line.task for line in lines} == {"navigation", "go_to_human"}
+    assert {line.task for line in lines} == {"navigation", "go_to_human", "social"}
+    social = {line.human: round(line.optimal, line.digits) for line in lines if line.task == "social"}
+    assert social == {"human_1": 12.44, "human_2": 9.83, "human_3": 6.32, "human_2_pointing": 8.75}
     assert all(line.random < line.optimal for line in lines)

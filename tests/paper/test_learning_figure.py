@@ -9,6 +9,7 @@ import pytest
 from tests.paper_runs import CONFIGS, SEEDS, UNTIL
 from tests.program import the_run, visitlab
 from visitlab_cli.exact.navigation import navigation_optimum, navigation_random
+from visitlab_cli.exact.social import optimum
 from visitlab_cli.paper.figures.designs import FIG_6, FIG_8
 from visitlab_cli.paper.figures.learning_figure import draw_fig6, draw_fig8, draw_learning
 from visitlab_cli.paper.figures.source import open_source
@@ -142,9 +143,12 @@ def test_reference_lines_are_exact_or_measured(drawings, paper_run):
     assert heights("fig6", "Navigation", "optimum") == [navigation_optimum(20)]
     assert heights("fig6", "Navigation", "chance") == [navigation_random(20)]
     assert 15 < heights("fig6", "Go to human", "optimum")[0] < 20
-    script = rewards(paper_run, "social_reference/script/human_1").mean()
-    assert heights("fig6", "Social, Human 1", "script") == [script]
-    assert 5 < script < 15
+    humans = open_source(paper_run).config.humans
+    assert heights("fig6", "Social, Human 1", "optimum") == [optimum(humans["human_1"])]
+    assert heights("fig6", "Social, Human 1", "script") == []
+    three = sorted(optimum(humans[name]) for name in ("human_1", "human_2", "human_3"))
+    assert heights("fig8", "Social, three humans", "optimum") == three
+    assert len(heights("fig8", "Social, three humans", "chance")) == 1
     scripts = [
         rewards(paper_run, f"visit_script/{human}").mean() for human in ("human_1", "human_2", "human_2_pointing")
     ]

@@ -136,15 +136,18 @@ def _manners(human: Human, floor: _Floor, by_angle: list[tuple[int, int]]) -> tu
     numbers: dict[frozenset[tuple[Way, float]], int] = {}
     table = np.empty((len(KINDS), N_ENGAGEMENTS, N_DIRECTIONS, N_DIRECTIONS), np.int64)
     found: list[Manner] = []
+    paid: dict[tuple[int, int], tuple[float, ...]] = {}
     for kind, engagement, angle, heading in np.ndindex(table.shape):
         scene = floor.scene(*by_angle[angle], 0, int(heading))
         manner: Manner = {}
         reactions = outcomes(behave, human, floor.task.lab, scene, int(engagement), KINDS[kind])
         for reaction, probability in reactions.items():
             after = scene._replace(**reaction._asdict())
-            reward = tuple(float(follows_in_direction(after, each)) for each in range(N_DIRECTIONS))
+            done = after.engagement, after.human_action
+            if done not in paid:
+                paid[done] = tuple(float(follows_in_direction(after, each)) for each in range(N_DIRECTIONS))
             gone = after.human_row - scene.human_row, after.human_col - scene.human_col
-            way = Way(*gone, after.human_heading, after.engagement, reward)
+            way = Way(*gone, after.human_heading, after.engagement, paid[done])
             manner[way] = manner.get(way, 0.0) + probability
         key = frozenset(manner.items())
         if key not in numbers:
