@@ -11,8 +11,8 @@ from visitlab_cli.config.experiments import GoToHumanTraining, NavigationTrainin
 from visitlab_cli.exact.go_to_human import go_to_human_motion, go_to_human_optimum, go_to_human_random
 from visitlab_cli.exact.motion import optimal_sums
 from visitlab_cli.exact.navigation import navigation_optimal_q, navigation_optimum, navigation_random
-from visitlab_cli.exact.values import Possible, exact_values, possible
 from visitlab_cli.exact.social import optimum, random_reward
+from visitlab_cli.exact.values import Possible, exact_values, possible
 from visitlab_cli.humans.six_parameters import SixParameters
 from visitlab_cli.random_numbers import random_state
 from visitlab_cli.simulation.loop import START, play
