@@ -9,6 +9,7 @@ folder for just what they are, so that ours stays as it is.
 import hashlib
 import platform
 import sys
+from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator
 from functools import cache
 from pathlib import Path
@@ -116,9 +117,13 @@ class Operation:
     passed as an argument can't). With the compiler switched off the same table is consulted at each call.
     """
 
-    def __init__(self, signature: Function) -> None:
-        """Make an operation with the arguments of `signature`, a function without a body."""
-        table: dict[type, Callable[..., Any]] = {}
+    def __init__(self, signature: Function, otherwise: Callable[..., Any] | None = None) -> None:
+        """Make an operation with the arguments of `signature`, a function without a body.
+
+        Where nothing is registered for a record it is `otherwise`, if that is given.
+        """
+        table: dict[type, Callable[..., Any]] = {} if otherwise is None else defaultdict(lambda: otherwise)
+        self._otherwise = otherwise
         self._table = table
         names = ", ".join(signature.__code__.co_varnames[: signature.__code__.co_argcount])
         first = names.split(",")[0]
@@ -135,7 +140,8 @@ class Operation:
         overload(self.function, strict=False)(scope["choice"])  # annotations may differ, names may not
 
     def _find(self, first: Any) -> Callable[..., Any] | None:
-        return self._table.get(first.instance_class) if isinstance(first, types.BaseNamedTuple) else None  # type: ignore[attr-defined]
+        record = first.instance_class if isinstance(first, types.BaseNamedTuple) else None  # type: ignore[attr-defined]
+        return self._table.get(record, self._otherwise) if record else None
 
     def plain(self, record: type) -> Callable[..., Any]:
         """What it is for a record: the function as it was registered."""

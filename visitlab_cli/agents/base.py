@@ -36,6 +36,9 @@ class AgentParameters(Kind):
     tasks: ClassVar[tuple[str, ...]] = TASK_NAMES
     """The tasks that it can play."""
 
+    takes_masks: ClassVar[bool] = False
+    """Whether what plays as its social module can be told that an action comes to another (`CHOOSE_AS`)."""
+
     microseconds_a_step: ClassVar[Mapping[str, float]] = {}
     """What a step costs, by task, for the estimate before a run: of a whole cell on one core, in a visit as its
     social module; where it is not told, the dearest of the kinds that do stands in."""
@@ -194,6 +197,19 @@ CHOOSE = Operation(_choose)
 LEARN = Operation(_learn)
 choose = CHOOSE.function
 learn = LEARN.function
+
+
+def _choose_as(agent, state, meant, step, random):  # type: ignore[no-untyped-def]
+    """`choose` where action a comes to `meant[a]`: it is valued, chosen and told as that."""
+
+
+def _choose_any(agent, state, meant, step, random):  # type: ignore[no-untyped-def]
+    return choose(agent, state, step, random)
+
+
+CHOOSE_AS = Operation(_choose_as, otherwise=_choose_any)
+"""Of a kind that `takes_masks`; a config refuses any other where a mask is asked for."""
+choose_as = CHOOSE_AS.function
 
 
 def _limits(dtype: np.dtype[Any]) -> tuple[float, float]:

@@ -46,3 +46,28 @@ def epsilon_greedy(values: Table, epsilon: float, random: RandomState) -> tuple[
     if epsilon > 0.0 and happens(random, epsilon):
         return random_below(random, len(values)), True
     return greedy(values, random), False
+
+
+@kernel
+def epsilon_greedy_as(
+    values: Table, meant: npt.NDArray[np.int64], epsilon: float, random: RandomState
+) -> tuple[int, bool]:
+    """`epsilon_greedy` where each action is valued as the one it comes to: `(what that is, explored)`.
+
+    `values` and `meant`, which action each comes to, have the shape (n,).
+    """
+    if epsilon > 0.0 and happens(random, epsilon):
+        return meant[random_below(random, len(values))], True
+    best = values[meant[0]]
+    for action in meant:
+        best = max(best, values[action])
+    ties = 0
+    for action in meant:
+        ties += values[action] == best
+    left = random_below(random, ties) if ties > 1 else 0
+    for action in meant:
+        if values[action] == best:
+            if left == 0:
+                return action, False
+            left -= 1
+    return meant[0], False

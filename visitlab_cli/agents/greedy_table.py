@@ -3,10 +3,11 @@
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
-from visitlab_cli.agents.base import CHOOSE, LEARN, AgentParameters, Saved, Setting
+from visitlab_cli.agents.base import CHOOSE, CHOOSE_AS, LEARN, AgentParameters, Saved, Setting
 from visitlab_cli.agents.declared import Declared, floats
-from visitlab_cli.agents.exploration import Table, greedy
+from visitlab_cli.agents.exploration import Table, epsilon_greedy_as, greedy
 from visitlab_cli.random_numbers import RandomState
 
 
@@ -20,6 +21,14 @@ class GreedyTable(NamedTuple):
 def choose(agent: GreedyTable, state: int, step: int, random: RandomState) -> tuple[int, bool]:
     """Uniform among the best."""
     return greedy(agent.q[state], random), False
+
+
+@CHOOSE_AS.of(GreedyTable)
+def choose_as(
+    agent: GreedyTable, state: int, meant: npt.NDArray[np.int64], step: int, random: RandomState
+) -> tuple[int, bool]:
+    """The same where each action is valued as the one it comes to."""
+    return epsilon_greedy_as(agent.q[state], meant, 0.0, random)
 
 
 @LEARN.of(GreedyTable)

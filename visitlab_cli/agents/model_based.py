@@ -4,10 +4,12 @@ from collections.abc import Mapping
 from typing import ClassVar, Literal, NamedTuple, Self
 
 import numpy as np
+import numpy.typing as npt
 from pydantic import Field, model_validator
 
 from visitlab_cli.agents.base import (
     CHOOSE,
+    CHOOSE_AS,
     EPSILON,
     GAMMA,
     LEARN,
@@ -16,7 +18,7 @@ from visitlab_cli.agents.base import (
     Setting,
     zeros,
 )
-from visitlab_cli.agents.exploration import Table, epsilon_greedy
+from visitlab_cli.agents.exploration import Table, epsilon_greedy, epsilon_greedy_as
 from visitlab_cli.agents.one_model import OneModelParameters
 from visitlab_cli.agents.sparse_model import (
     SparseModel,
@@ -44,6 +46,7 @@ class ModelBased(NamedTuple):
 class ModelBasedParameters(OneModelParameters):
     """Epsilon-greedy value iteration (paper, section 4.2)."""
 
+    takes_masks: ClassVar[bool] = True
     microseconds_a_step: ClassVar[Mapping[str, float]] = {NAVIGATION: 2.5, GO_TO_HUMAN: 1.3, SOCIAL: 5.3, VISIT: 22.0}
     kind: Literal["model_based"]
     gamma: float = GAMMA
@@ -78,6 +81,14 @@ class ModelBasedParameters(OneModelParameters):
 def choose(agent: ModelBased, state: int, step: int, random: RandomState) -> tuple[int, bool]:
     """Epsilon-greedy."""
     return epsilon_greedy(agent.q[state], agent.epsilon, random)
+
+
+@CHOOSE_AS.of(ModelBased)
+def choose_as(
+    agent: ModelBased, state: int, meant: npt.NDArray[np.int64], step: int, random: RandomState
+) -> tuple[int, bool]:
+    """The same where each action is valued as the one it comes to."""
+    return epsilon_greedy_as(agent.q[state], meant, agent.epsilon, random)
 
 
 @LEARN.of(ModelBased)

@@ -31,6 +31,7 @@ class ObserverParameters(AgentParameters):
         "learner": ("q_learning",),
         "acts_as": ("q_learning",),
     }
+    takes_masks: ClassVar[bool] = True
     microseconds_a_step: ClassVar[Mapping[str, float]] = {NAVIGATION: 2.2, GO_TO_HUMAN: 1.7, SOCIAL: 4.5, VISIT: 3.5}
     kind: Literal["observer"]
     watches: str = Field(description="the agent that plays until then")

@@ -4,11 +4,12 @@ from collections.abc import Mapping
 from typing import ClassVar, Literal, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 from pydantic import Field
 
-from visitlab_cli.agents.base import CHOOSE, EPSILON, GAMMA, LEARN, Saved, Setting, zeros
+from visitlab_cli.agents.base import CHOOSE, CHOOSE_AS, EPSILON, GAMMA, LEARN, Saved, Setting, zeros
 from visitlab_cli.agents.declared import Declared, counts, floats
-from visitlab_cli.agents.exploration import Table, epsilon_greedy, maximum
+from visitlab_cli.agents.exploration import Table, epsilon_greedy, epsilon_greedy_as, maximum
 from visitlab_cli.agents.sparse_model import Counts
 from visitlab_cli.agents.tabular import TabularParameters
 from visitlab_cli.random_numbers import RandomState
@@ -28,6 +29,7 @@ class QLearning(NamedTuple):
 class QLearningParameters(TabularParameters):
     """Tabular Q-learning (paper, section 4.2)."""
 
+    takes_masks: ClassVar[bool] = True
     microseconds_a_step: ClassVar[Mapping[str, float]] = {NAVIGATION: 1.1, GO_TO_HUMAN: 0.9, SOCIAL: 1.7, VISIT: 2.9}
     kind: Literal["q_learning"]
     gamma: float = GAMMA
@@ -59,6 +61,14 @@ class QLearningParameters(TabularParameters):
 def choose(agent: QLearning, state: int, step: int, random: RandomState) -> tuple[int, bool]:
     """Epsilon-greedy."""
     return epsilon_greedy(agent.q[state], agent.epsilon, random)
+
+
+@CHOOSE_AS.of(QLearning)
+def choose_as(
+    agent: QLearning, state: int, meant: npt.NDArray[np.int64], step: int, random: RandomState
+) -> tuple[int, bool]:
+    """The same where each action is valued as the one it comes to."""
+    return epsilon_greedy_as(agent.q[state], meant, agent.epsilon, random)
 
 
 @LEARN.of(QLearning)

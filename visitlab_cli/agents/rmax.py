@@ -4,10 +4,11 @@ from collections.abc import Mapping
 from typing import ClassVar, Literal, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 from pydantic import Field
 
-from visitlab_cli.agents.base import CHOOSE, GAMMA, LEARN, PLAN_EVERY, Saved, Setting
-from visitlab_cli.agents.exploration import Table, greedy
+from visitlab_cli.agents.base import CHOOSE, CHOOSE_AS, GAMMA, LEARN, PLAN_EVERY, Saved, Setting
+from visitlab_cli.agents.exploration import Table, epsilon_greedy_as, greedy
 from visitlab_cli.agents.one_model import OneModelParameters
 from visitlab_cli.agents.sparse_model import (
     SparseModel,
@@ -36,6 +37,7 @@ class RMax(NamedTuple):
 class RMaxParameters(OneModelParameters):
     """R-max (paper, section 4.2)."""
 
+    takes_masks: ClassVar[bool] = True
     microseconds_a_step: ClassVar[Mapping[str, float]] = {NAVIGATION: 2.8, GO_TO_HUMAN: 1.3, SOCIAL: 5.2, VISIT: 20.0}
     kind: Literal["rmax"]
     gamma: float = GAMMA
@@ -66,6 +68,14 @@ class RMaxParameters(OneModelParameters):
 def choose(agent: RMax, state: int, step: int, random: RandomState) -> tuple[int, bool]:
     """Greedy."""
     return greedy(agent.q[state], random), False
+
+
+@CHOOSE_AS.of(RMax)
+def choose_as(
+    agent: RMax, state: int, meant: npt.NDArray[np.int64], step: int, random: RandomState
+) -> tuple[int, bool]:
+    """The same where each action is valued as the one it comes to."""
+    return epsilon_greedy_as(agent.q[state], meant, 0.0, random)
 
 
 @LEARN.of(RMax)

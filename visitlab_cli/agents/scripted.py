@@ -47,6 +47,7 @@ class ScriptedParameters(AgentParameters):
 
     tasks: ClassVar[tuple[str, ...]] = (SOCIAL, VISIT)
     learns: ClassVar[bool] = False
+    takes_masks: ClassVar[bool] = True
     microseconds_a_step: ClassVar[Mapping[str, float]] = {SOCIAL: 2.4, VISIT: 3.7}
     kind: Literal["scripted"]
 

@@ -16,13 +16,17 @@ from visitlab_cli.world.tasks import TASKS, Task
 class Site(NamedTuple):
     """Where an experiment takes place: the lab, the human's record (None where there is none), distances, modules.
 
-    `distances` are the four thresholds in cells; `tables` has the Q of each trained module, by its task.
+    `distances` are the four thresholds in cells; `tables` has the Q of each trained module that steers, by its task,
+    `models` what each has learned of the world, empty where it has no model. `told` is what the config says of the
+    human, for an experiment that is told it.
     """
 
     lab: Lab
     human: Any
     distances: tuple[int, ...]
     tables: Mapping[str, Table]
+    models: Mapping[str, Saved] = {}
+    told: Any = None
 
 
 class Experiment(Settings):
@@ -40,6 +44,20 @@ class Experiment(Settings):
     def plays(self) -> Task:
         """The description of its task."""
         return TASKS[self.task]
+
+    @property
+    def parts(self) -> tuple[str, ...]:
+        """What its cells have beside what its task has, of `SOME_CELLS`."""
+        return (PHASES,) if self.phases else ()
+
+    def going_on(self, task: Any, other: Any) -> Any:
+        """The task with another human, `other`, in which what `task`, the first one, keeps for itself goes on."""
+        return other
+
+    @property
+    def played_as(self) -> str:
+        """What of its settings decides the types that its loop is compiled for; empty by default."""
+        return ""
 
     @property
     def assembled(self) -> bool:

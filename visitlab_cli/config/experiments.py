@@ -3,18 +3,23 @@
 from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal, Self
 
-from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo, WithJsonSchema, field_validator
+from pydantic import Field, ValidationInfo, field_validator
 
 from visitlab_cli.agents.base import AgentParameters, Saved, Setting
+from visitlab_cli.config.controller import FARTHEST, LEAD, PLAN, Controller, options_of
 from visitlab_cli.config.experiment import Experiment, Site
-from visitlab_cli.config.names import Module, ModuleName, Names, distinct, module
+from visitlab_cli.config.goal_rooms import N_ROOMS, GoalRooms
+from visitlab_cli.config.names import Module, ModuleName, Names, module
 from visitlab_cli.config.phases import SocialPhases, TrainingPhases, VisitPhases
+from visitlab_cli.errors import ConfigError
 from visitlab_cli.humans.base import Probability
-from visitlab_cli.settings import Settings
+from visitlab_cli.settings import Settings, since
+from visitlab_cli.simulation.controller import make_planned
+from visitlab_cli.simulation.estimates import RECENT
 from visitlab_cli.simulation.visit import Visit as VisitTask
 from visitlab_cli.simulation.visit import make_visit
+from visitlab_cli.world.columns import PLAN as PLAN_PART
 from visitlab_cli.world.go_to_human import GoToHuman, make_go_to_human
-from visitlab_cli.world.lab import paper_lab
 from visitlab_cli.world.navigation import Navigation, make_navigation
 from visitlab_cli.world.social import ARENA, DIRECTION_CHANGE, Social, make_social
 from visitlab_cli.world.task import TRAINING_TRIAL_STEPS, VISIT_TRIAL_STEPS
@@ -23,39 +28,7 @@ from visitlab_cli.world.visit import make_visit_world
 
 MODULE_TASKS = (NAVIGATION, GO_TO_HUMAN, SOCIAL)
 MOST_STEPS = 10**12
-N_ROOMS = paper_lab().n_rooms
-
 TRAINING_STEPS = 500_000
-Room = Annotated[int, Field(ge=0, lt=N_ROOMS)]
-
-
-def _all_rooms(rooms: Any) -> Any:
-    if isinstance(rooms, list | tuple):
-        return tuple(rooms)  # a tuple field takes no list from a validator
-    if rooms == "all":
-        return tuple(range(N_ROOMS))
-    raise ValueError("must be all or a list of rooms")
-
-
-GoalRooms = Annotated[
-    tuple[Room, ...],
-    Field(min_length=2),
-    AfterValidator(distinct),
-    BeforeValidator(_all_rooms),
-    WithJsonSchema(
-        {
-            "anyOf": [
-                {"const": "all"},
-                {
-                    "type": "array",
-                    "minItems": 2,
-                    "uniqueItems": True,
-                    "items": {"type": "integer", "minimum": 0, "maximum": N_ROOMS - 1},
-                },
-            ]
-        }
-    ),
-]
 
 
 class Training(Experiment):
@@ -208,7 +181,33 @@ class Visit(Experiment):
     social_reward: Literal["social", "none"] = Field(
         default="social", description="what the social module learns from during the visit"
     )
+    controller: Controller = Field(
+        default="paper",
+        description="what is done otherwise than in the paper (Fig. 5): route, mask and plan, one or several; or lead, "
+        "which implies them",
+        json_schema_extra=since("0.2.0"),
+    )
+    told: bool = Field(
+        default=False,
+        description="whether a controller that plans is told the human's p_S and p_A; else it estimates them",
+        json_schema_extra=since("0.2.0"),
+    )
     phases: VisitPhases
+
+    @property
+    def options(self) -> tuple[str, ...]:
+        """What the controller does otherwise than the paper's."""
+        return options_of(self.controller)
+
+    @property
+    def parts(self) -> tuple[str, ...]:
+        """The plan, where the controller leads by one."""
+        return (*super().parts, *((PLAN_PART,) if LEAD in self.options else ()))
+
+    @property
+    def played_as(self) -> str:
+        """Planned, for all but the paper's controller."""
+        return "planned" if self.options else ""
 
     @property
     def counted_in(self) -> str:
@@ -255,9 +254,10 @@ class Visit(Experiment):
         return self.model_copy(update={"modules": self.modules.model_copy(update={"social": social})})
 
     def idle(self, agents: Mapping[str, AgentParameters]) -> tuple[str, ...]:
-        """Also the planning options where the social module does not plan."""
+        """Also the planning options where the social module does not plan; `told` where the controller does not."""
+        untold = () if PLAN in self.options else ("told",)
         plans = agents[self.starts[SOCIAL].agent].plans
-        return (*super().idle(agents), *(() if plans else self.planning_options))
+        return (*super().idle(agents), *untold, *(() if plans else self.planning_options))
 
     def with_whole_modules(self, experiments: Mapping[str, Experiment]) -> Self:
         """With the human that the social module was trained with."""
@@ -270,7 +270,20 @@ class Visit(Experiment):
         """The visit in the lab, with the Q of navigation and go_to_human."""
         world = make_visit_world(site.human, self.goal_rooms, site.distances, site.lab)
         tables = site.tables[NAVIGATION], site.tables[GO_TO_HUMAN]
-        return make_visit(world, *tables, self.trial_steps, self.social_reward)
+        controller = None
+        if LEAD in self.options and site.distances[-1] > FARTHEST:
+            raise ConfigError(
+                f"interaction.distances: leading is planned up to {FARTHEST} cells, not {site.distances[-1]}"
+            )
+        if self.options:
+            told = (site.told.p_S, site.told.p_A) if self.told else None
+            window = RECENT if len({phase.met for phase in self.phases}) > 1 else 0
+            controller = make_planned(self.options, world, site.models[NAVIGATION], site.distances[-1], told, window)
+        return make_visit(world, *tables, self.trial_steps, self.social_reward, controller)
+
+    def going_on(self, task: VisitTask, other: VisitTask) -> VisitTask:
+        """The controller goes on, with what it knows and plans, unless it is told of each human."""
+        return other if self.told else task._replace(world=other.world)
 
     def parameters_of(self, agent: AgentParameters) -> AgentParameters:
         """Those of the social module, which plans as often as the visit says."""

@@ -4,6 +4,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from visitlab_cli.agents.base import AgentParameters
+from visitlab_cli.config.controller import MASK, PLAN
 from visitlab_cli.config.experiments import MODULE_TASKS, SocialTraining, Visit
 from visitlab_cli.config.names import module
 from visitlab_cli.config.phases import PHASES, wrong_phases
@@ -125,6 +126,26 @@ def _visit(path: Path, visit: Visit, declared: Declared) -> Iterator[Issue]:
         if social is not None and not social.plans and option in visit.model_fields_set:
             message = f"means nothing here: the social module's agent, {name}, does not plan; leave it out"
             yield Issue((*path, option), message, at="key")
+    yield from _controller(path, visit, social, declared)
+
+
+def _controller(path: Path, visit: Visit, social: AgentParameters | None, declared: Declared) -> Iterator[Issue]:
+    """What a controller other than the paper's needs and has not."""
+    options = visit.options
+    if visit.told and PLAN not in options:
+        yield Issue((*path, "told"), "means nothing here: the controller does not plan; leave it out", at="key")
+    name = module(visit.modules.navigation).agent
+    navigation = declared.agents.get(name)
+    if options and navigation is not None and not navigation.plans:
+        message = f"needs a navigation module that learns a model; {name}, of kind {_kind(navigation)}, has none"
+        yield Issue((*path, "controller"), message)
+    if MASK in options and social is not None and not social.takes_masks:
+        message = f"can't mask the social module's agent, which is of kind {_kind(social)}"
+        yield Issue((*path, "controller"), message)
+    for index, human in enumerate(visit.humans if visit.told else ()):
+        parameters = declared.humans.get(human)
+        if parameters is not None and not (hasattr(parameters, "p_S") and hasattr(parameters, "p_A")):
+            yield Issue((*path, "humans", index), f"told: {human} has no p_S and p_A to tell")
 
 
 def _module(task: str, text: str, declared: Declared) -> Iterator[str]:

@@ -47,19 +47,22 @@ def build(cell: Cell, models: Mapping[str, Saved]) -> Simulation:
     """
     settings, config = cell.settings, cell.config
     lab = lab_of(settings)
-    tables = {}
+    tables, learned = {}, {}
     for module in cell.modules:
         of_module, expected = config.agents[settings.starts[module].agent], tuple(TASKS[module].size(lab))
         if module in settings.steering:
             tables[module] = np.ascontiguousarray(of_module.values(models[module]), np.float64)
+            learned[module] = next(iter(of_module.models(models[module]).values()), {})
         table = tables.get(module, models[module].get("q"))
         shape = expected if table is None else table.shape
         if shape != expected:
             raise RunError(f"{cell.path}: the {module} model has a table of {shape}, not {expected}")
-    humans = {name: config.humans[name].create() for name in cell.humans} or {"": None}
-    tasks = {
-        name: settings.task_in(Site(lab, human, config.interaction.distances, tables)) for name, human in humans.items()
-    }
+    tasks: dict[str, Any] = {}
+    for name in cell.humans or ("",):
+        declared = config.humans[name] if name else None
+        human = declared.create() if declared else None
+        task = settings.task_in(Site(lab, human, config.interaction.distances, tables, learned, declared))
+        tasks[name] = settings.going_on(next(iter(tasks.values())), task) if tasks else task
     learner = settings.parameters_of(config.agents[cell.agent])
     parameters: Player = cell.player if cell.frozen else learner
     setting = setting_of(cell)

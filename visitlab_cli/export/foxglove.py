@@ -32,6 +32,7 @@ from visitlab_cli.scene.scene import Scene
 from visitlab_cli.scene.trial import Trial
 from visitlab_cli.scene.words import caption
 from visitlab_cli.whole_file import new_file
+from visitlab_cli.world.columns import SOME_CELLS
 
 TF, LAB, SCENE, CAPTION = "/tf", "/lab", "/scene", "/caption"
 SCHEMAS = {TF: FRAME_TRANSFORMS, LAB: SCENE_UPDATE, SCENE: SCENE_UPDATE, CAPTION: LOG}
@@ -56,7 +57,7 @@ def write_foxglove(path: Path, trials: Iterable[Trial]) -> int:
     with new_file(path) as beside, beside.open("wb") as file:
         writer = Writer(file)
         writer.start(library=NAME)
-        channels = _channels(writer, phased=any("phase" in trial.steps for trial in first))
+        channels = _channels(writer, schema.parts_in(first[0].steps) if first else ())
         for trial in chain(first, several):
             scene = Scene(trial)
             for step in range(trial.length):
@@ -68,11 +69,11 @@ def write_foxglove(path: Path, trials: Iterable[Trial]) -> int:
     return rows
 
 
-def _channels(writer: Writer, *, phased: bool) -> dict[str, int]:
-    """The channel of each topic; `phased`: a step says its phase."""
+def _channels(writer: Writer, parts: schema.Parts) -> dict[str, int]:
+    """The channel of each topic, for trials of a log with these parts."""
     content = foxglove_schema.schema_bytes()
     described = {topic: (f"{foxglove_schema.PACKAGE}.{name}", content) for topic, name in SCHEMAS.items()}
-    described[schema.STEP_TOPIC] = (f"{schema.PACKAGE}.{schema.STEP}", schema.schema_bytes(phased=phased))
+    described[schema.STEP_TOPIC] = (f"{schema.PACKAGE}.{schema.STEP}", schema.schema_bytes(parts))
     return {
         topic: writer.register_channel(
             topic, MessageEncoding.Protobuf, writer.register_schema(name, SchemaEncoding.Protobuf, data)
@@ -93,7 +94,7 @@ def _messages(scene: Scene, step: int, time: int) -> Iterator[_Sent]:
     words = f"trial {scene.trial.number}, step {steps['step'][step]}: {caption(steps, step, scene.trial.lab)}"
     yield _Sent(CAPTION, _made(LOG, now | {"level": "INFO", "message": words, "name": NAME}))
     values = {name: column[step].item() for name, column in steps.items()}
-    yield _Sent(schema.STEP_TOPIC, _step_class("phase" in steps)(**values))
+    yield _Sent(schema.STEP_TOPIC, _step_class()(**values))
 
 
 def _made(name: str, fields: Fields) -> Any:
@@ -101,7 +102,7 @@ def _made(name: str, fields: Fields) -> Any:
 
 
 @cache
-def _step_class(phased: bool) -> Any:
+def _step_class() -> Any:
     pool = DescriptorPool()
-    pool.Add(schema.file_descriptor(phased=phased))
+    pool.Add(schema.file_descriptor(SOME_CELLS))
     return GetMessageClass(pool.FindMessageTypeByName(f"{schema.PACKAGE}.{schema.STEP}"))

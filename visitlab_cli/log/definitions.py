@@ -13,6 +13,7 @@ from visitlab_cli.log.decoding import MessageKind, RefusedError
 from visitlab_cli.log.layout import STEP_CHANNEL, TRIAL_CHANNEL
 from visitlab_cli.log.schema import PACKAGE, STEP, STEP_TOPIC, TRIAL, TRIAL_TOPIC, message_descriptor
 from visitlab_cli.log.source import DamagedError
+from visitlab_cli.world.columns import SOME_CELLS
 
 OURS = ((STEP_CHANNEL, STEP_TOPIC, STEP), (TRIAL_CHANNEL, TRIAL_TOPIC, TRIAL))
 TOPICS = {topic: message for _, topic, message in OURS}
@@ -66,13 +67,6 @@ class Definitions:
         return own or (self._elsewhere is not None and self._elsewhere.has_topic(topic))
 
     @property
-    def tell_phases(self) -> bool:
-        """Whether the steps have a field for the phase."""
-        kinds = (self.schema(channel.schema_id) for channel in self.channels.values() if channel.topic == STEP_TOPIC)
-        own = any(_declares(schema, "phase") for schema in kinds if schema is not None)
-        return own or (self._elsewhere is not None and self._elsewhere.tell_phases)
-
-    @property
     def are_ours(self) -> bool:
         """Whether our two channels have our numbers, and schemas with the fields that we give them."""
         if self._ours is None:
@@ -92,9 +86,11 @@ class Definitions:
             for declared in file.message_type
             if f"{file.package}.{declared.name}" == schema.name
         ]
-        known = [message_descriptor(message, phased=phased) for phased in (False, True)]
-        ours = [[(field.name, field.number, field.type, field.label) for field in each.field] for each in known]
-        return len(theirs) == 1 and any(sorted(theirs[0]) == sorted(each) for each in ours)
+        least, most = (
+            {(field.name, field.number, field.type, field.label) for field in message_descriptor(message, parts).field}
+            for parts in ((), SOME_CELLS)
+        )
+        return len(theirs) == 1 and len(theirs[0]) == len(set(theirs[0])) and least <= set(theirs[0]) <= most
 
     def kind_of(self, number: int) -> MessageKind | None:
         """What the messages of a channel are, None where they are no steps and no trials.
@@ -147,19 +143,8 @@ def known_fields(data: bytes) -> int:
         for declared in file.message_type
         for field in declared.field
     }
-    ours = ((message, field) for _, _, message in OURS for field in message_descriptor(message, phased=True).field)
+    ours = ((message, field) for _, _, message in OURS for field in message_descriptor(message, SOME_CELLS).field)
     return sum((message, field.name, field.number, field.type) in theirs for message, field in ours)
-
-
-def _declares(schema: Schema, field: str) -> bool:
-    """Whether the message of a schema has a field of a name; not, where the schema can't be read."""
-    try:
-        messages = [each for file in FileDescriptorSet.FromString(schema.data).file for each in file.message_type]
-    except DecodeError:
-        return False
-    return any(
-        found.name == field for each in messages if each.name == schema.name.rpartition(".")[2] for found in each.field
-    )
 
 
 def _files(schema: Schema) -> list[FileDescriptorProto]:

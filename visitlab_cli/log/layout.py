@@ -13,8 +13,7 @@ import numpy.typing as npt
 from google.protobuf.descriptor_pb2 import FieldDescriptorProto
 from mcap.opcode import Opcode
 
-from visitlab_cli.log.schema import STEP, TABLES, TRIAL, message_descriptor
-from visitlab_cli.world.columns import PHASES
+from visitlab_cli.log.schema import STEP, TABLES, TRIAL, Parts, message_descriptor
 from visitlab_cli.world.tasks import TASKS
 
 Records = npt.NDArray[np.void]
@@ -66,11 +65,10 @@ class Layout:
 
 
 @cache
-def layout_of(message: str, task: str, *, phased: bool = False) -> Layout:
-    """The layout of the message `STEP` or `TRIAL` in the log of a `task`; `phased`: which tells phases."""
-    parts = (*TASKS[task].parts, *((PHASES,) if phased else ()))
-    names = {column.name for column in TABLES[message] if column.part in parts}
-    fields = [field for field in message_descriptor(message, phased=phased).field if field.name in names]
+def layout_of(message: str, task: str, parts: Parts = ()) -> Layout:
+    """The layout of the message `STEP` or `TRIAL` in the log of a `task`, and what else its cell has."""
+    names = {column.name for column in TABLES[message] if column.part in (*TASKS[task].parts, *parts)}
+    fields = [field for field in message_descriptor(message, parts).field if field.name in names]
     columns = [*_ENVELOPE, *_HEADER]
     constants = {"opcode": int(Opcode.MESSAGE), "channel": CHANNELS[message]}
     for field in sorted(fields, key=lambda field: field.number):

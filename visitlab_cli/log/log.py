@@ -33,6 +33,7 @@ from visitlab_cli.log.schema import (
     STEP_TOPIC,
     TRIAL,
     TRIAL_TOPIC,
+    parts_of,
 )
 from visitlab_cli.log.source import (
     MAX_RECORD,
@@ -102,9 +103,8 @@ class Log:
                 self._define(self._source.definition(place))
         self.has_steps, self.has_trials = map(self._all.has_topic, (STEP_TOPIC, TRIAL_TOPIC))
         self.attributes = self._checked(attributes) if attributes is not None else self._guessed()
-        task = self.attributes[TASK]
-        self.step_layout = layout_of(STEP, task, phased=self._all.tell_phases)
-        self.trial_layout = layout_of(TRIAL, task)
+        task, parts = self.attributes[TASK], parts_of(self.attributes)
+        self.step_layout, self.trial_layout = layout_of(STEP, task, parts), layout_of(TRIAL, task, parts)
         self.own_block = lru_cache(CHUNKS_KEPT)(self._own_block)
 
     def _define(self, definition: Schema | Channel) -> None:

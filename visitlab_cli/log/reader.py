@@ -158,6 +158,7 @@ def check_values(path: Path, steps: Columns, task: str, lab: Lab) -> None:
     in_arena = "goal_room" not in steps and "human_row" in steps
     for axis, size in (("row", lab.rows), ("col", lab.cols)):
         most |= dict.fromkeys((f"robot_{axis}", f"human_{axis}"), (LARGEST_ARENA if in_arena else size) - 1)
+        most |= dict.fromkeys((f"wanted_robot_{axis}", f"wanted_human_{axis}"), size - 1)
     for name, column in steps.items():
         values: npt.NDArray[Any] = column
         if name in known:

@@ -1,11 +1,11 @@
 """What writer and reader of a log agree on: its names, and the protobuf schema derived from the columns.
 
-A field's number is its column's place in the table, from 1. Every field is proto3 `optional`, so that a value
-of zero is written too and a message has a constant size. A log carries the schema, hence any MCAP reader
-decodes it.
+A field's number is its column's place in the table, from 1; what only some cells have is in the schema of their
+logs only. Every field is proto3 `optional`, so that a value of zero is written too and a message has a constant size.
+A log carries the schema, hence any MCAP reader decodes it.
 """
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator, Mapping
 from enum import IntEnum
 
 from google.protobuf.descriptor_pb2 import (
@@ -16,13 +16,26 @@ from google.protobuf.descriptor_pb2 import (
     FileDescriptorSet,
 )
 
-from visitlab_cli.world.columns import ALWAYS, BOOL, COLUMNS, ENUM, FIXED32, FLOAT, MODULES, PHASES, UINT32, Column
+from visitlab_cli.world.columns import (
+    ALWAYS,
+    BOOL,
+    COLUMNS,
+    ENUM,
+    FIXED32,
+    FLOAT,
+    MODULES,
+    PHASES,
+    PLAN,
+    SOME_CELLS,
+    UINT32,
+    Column,
+)
 from visitlab_cli.world.tasks import TASK_NAMES, tasks_with
 
 FORMAT = "1"
 METADATA_NAME = "visitlab"
 CONFIG_NAME = "config.yaml"
-ONE_TRIAL_IN = "one_trial_in"
+ONE_TRIAL_IN, PARTS = "one_trial_in", "parts"
 STEP_NS = 1_000_000_000  # a step takes one simulated second
 
 PACKAGE = "visitlab"
@@ -49,31 +62,49 @@ PROTOBUF_TYPES = {
 }
 
 
-def file_descriptor(*, phased: bool = False) -> FileDescriptorProto:
-    """The schema of the log as one .proto file; `phased`: of a log that tells phases."""
+Parts = tuple[str, ...]
+"""Those of `SOME_CELLS` that a log has."""
+
+
+def parts_of(attributes: Mapping[str, str]) -> Parts:
+    """Those that a log's metadata names."""
+    named = attributes.get(PARTS, "").split(",")
+    return tuple(part for part in SOME_CELLS if part in named)
+
+
+def parts_in(names: Collection[str]) -> Parts:
+    """Those that a log has whose steps have columns of these names."""
+    return tuple(part for part in SOME_CELLS if any(each.part == part and each.name in names for each in COLUMNS))
+
+
+def file_descriptor(parts: Parts = ()) -> FileDescriptorProto:
+    """The schema of a log as one .proto file."""
     return FileDescriptorProto(
         name="visitlab.proto",
         package=PACKAGE,
         syntax="proto3",
-        message_type=[message_descriptor(name, phased=phased) for name in TABLES],
+        message_type=[message_descriptor(name, parts) for name in TABLES],
         enum_type=[_enum_descriptor(enum) for enum in _enums()],
     )
 
 
-def schema_bytes(*, phased: bool = False) -> bytes:
+def schema_bytes(parts: Parts = ()) -> bytes:
     """The schema as MCAP carries it: a serialised FileDescriptorSet."""
-    return FileDescriptorSet(file=[file_descriptor(phased=phased)]).SerializeToString(deterministic=True)
+    return FileDescriptorSet(file=[file_descriptor(parts)]).SerializeToString(deterministic=True)
 
 
-def message_descriptor(message: str, *, phased: bool = False) -> DescriptorProto:
-    """The descriptor of the message `STEP` or `TRIAL`; `phased` as `file_descriptor` says."""
+def message_descriptor(message: str, parts: Parts = ()) -> DescriptorProto:
+    """The descriptor of the message `STEP` or `TRIAL`."""
     descriptor = DescriptorProto(name=message)
-    for index, column in enumerate(TABLES[message]):
-        if column.part == PHASES and not phased:
-            continue  # a log without phases has the schema that it always had
+    there = [
+        (number, column)
+        for number, column in enumerate(TABLES[message], 1)
+        if column.part not in SOME_CELLS or column.part in parts
+    ]
+    for index, (number, column) in enumerate(there):
         descriptor.field.add(
             name=column.name,
-            number=index + 1,
+            number=number,
             label=FieldDescriptorProto.LABEL_OPTIONAL,
             type=PROTOBUF_TYPES[column.kind],
             type_name=f".{PACKAGE}.{column.enum.__name__}" if column.enum else None,
@@ -100,10 +131,13 @@ def proto_text() -> str:
     return "\n\n".join(blocks) + "\n"
 
 
+_WITH = {PHASES: "with phases", PLAN: "with a plan"}
+
+
 def tasks_in_words(column: Column) -> str:
-    """Which tasks have a column: `all`, or their names; or that it is there with phases only."""
-    if column.part == PHASES:
-        return "with phases"
+    """Which tasks have a column: `all`, or their names; or which cells."""
+    if column.part in SOME_CELLS:
+        return _WITH[column.part]
     tasks = tasks_with(column.part)
     return "all" if tasks == TASK_NAMES else ", ".join(tasks)
 

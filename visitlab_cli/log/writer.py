@@ -22,11 +22,13 @@ from visitlab_cli.log.schema import (
     METADATA_NAME,
     ONE_TRIAL_IN,
     PACKAGE,
+    PARTS,
     STEP,
     STEP_NS,
     STEP_TOPIC,
     TRIAL,
     TRIAL_TOPIC,
+    Parts,
     schema_bytes,
 )
 from visitlab_cli.world.columns import StepColumns
@@ -46,7 +48,7 @@ class StepRecorder:
         attributes: the cell's metadata; `format`, `task` and `one_trial_in` are added.
         config_yaml: the cell's config, attached.
         one_trial_in: record the trials 0, n, 2n, ... only; their steps are numbered on without gaps.
-        phased: record also which phase a step is of.
+        parts: what the cell has beside what its task has, of `SOME_CELLS`.
 
     Raises:
         RunError: the file cannot be written.
@@ -60,18 +62,19 @@ class StepRecorder:
         attributes: dict[str, str],
         config_yaml: bytes,
         one_trial_in: int = 1,
-        phased: bool = False,
+        parts: Parts = (),
     ):
         self._path = path
         self._one_trial_in = one_trial_in
-        self._step_layout = layout_of(STEP, task, phased=phased)
-        self._trial_layout = layout_of(TRIAL, task)
+        self._step_layout = layout_of(STEP, task, parts)
+        self._trial_layout = layout_of(TRIAL, task, parts)
         self._chunk = self._step_layout.blank(CHUNK_STEPS)
         self._filled = 0
         self._steps_written = 0
         self._trials_written = 0
         self._open_reward = 0.0  # of the trial that goes on in the next chunk
         added = {"format": FORMAT, "task": task, ONE_TRIAL_IN: str(one_trial_in)}
+        added |= {PARTS: ",".join(parts)} if parts else {}
         try:
             self._file = McapFile(path)
         except OSError as error:
@@ -79,9 +82,8 @@ class StepRecorder:
         with self._writing():
             self._file.write_metadata(METADATA_NAME, dict(sorted((attributes | added).items())))
             self._file.write_attachment(CONFIG_NAME, CONFIG_MEDIA_TYPE, config_yaml)
-            schema = schema_bytes(phased=phased)
-            self._file.write_channel(STEP_CHANNEL, STEP_TOPIC, f"{PACKAGE}.{STEP}", schema)
-            self._file.write_channel(TRIAL_CHANNEL, TRIAL_TOPIC, f"{PACKAGE}.{TRIAL}", schema)
+            self._file.write_channel(STEP_CHANNEL, STEP_TOPIC, f"{PACKAGE}.{STEP}", schema_bytes(parts))
+            self._file.write_channel(TRIAL_CHANNEL, TRIAL_TOPIC, f"{PACKAGE}.{TRIAL}", schema_bytes(parts))
             self._file.flush()
 
     def write(self, columns: StepColumns, rows: int) -> None:

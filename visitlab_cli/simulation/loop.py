@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from visitlab_cli.agents.base import choose, learn
 from visitlab_cli.agents.exploration import Table
-from visitlab_cli.compiled import kernel, written
+from visitlab_cli.compiled import Operation, kernel, written
 from visitlab_cli.random_numbers import RandomState
 from visitlab_cli.world.columns import StepColumns
 from visitlab_cli.world.enums import Action
@@ -29,6 +29,19 @@ class Cursor(NamedTuple):
 
 
 START = Cursor(NOWHERE, 0, 0, -1, 0)
+
+
+def _decide(task, agent, scene, state, step, random):  # type: ignore[no-untyped-def]
+    """The action of the agent's `step` (from 1) and whether it was drawn at random, for `state` of `scene`."""
+
+
+def _agent_decides(task, agent, scene, state, step, random):  # type: ignore[no-untyped-def]
+    return choose(agent, state, step, random)
+
+
+DECIDE = Operation(_decide, otherwise=_agent_decides)
+"""Of a task in which not the agent alone decides."""
+decide = DECIDE.function
 
 
 _write_scene = written(
@@ -96,7 +109,7 @@ def play(
             columns.social_reward[row] = 0.0
         else:
             done += 1
-            action, explored = choose(agent, state, done, random)
+            action, explored = decide(task, agent, scene, state, done, random)
             scene, reward, lesson = step(task, scene, action, random)
             next_state = observe(task, scene)
             learn(agent, state, action, lesson, next_state, trial_step == task.trial_steps, done, random)

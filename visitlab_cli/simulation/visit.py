@@ -1,18 +1,20 @@
 """The three modules as one (paper, section 4.1 and Fig. 5): a visit as the task that the social module plays.
 
 Navigation gives the desired direction, the social module decides, and where it picks 'go to human vision' the
-third module picks the move. Navigation and go_to_human act greedily and do not learn.
+third module picks the move. Navigation and go_to_human act greedily and do not learn. A controller may do some of
+this otherwise (`controller.py`).
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from visitlab_cli.agents.exploration import Table, greedy
 from visitlab_cli.compiled import kernel
 from visitlab_cli.random_numbers import RandomState
+from visitlab_cli.simulation.controller import Paper, Planned, approach, decide, observed, prepare, wanted
+from visitlab_cli.simulation.loop import DECIDE
 from visitlab_cli.world.enums import MAX_SPEED, N_DIRECTIONS, N_MOVES, Action
-from visitlab_cli.world.go_to_human import go_to_human_state
 from visitlab_cli.world.human import follows_in_direction
 from visitlab_cli.world.lab import Lab
 from visitlab_cli.world.scene import Scene, with_aims
@@ -29,6 +31,7 @@ class Visit(NamedTuple):
     go_to_human: Table
     trial_steps: int
     pays_social_reward: bool
+    controller: Paper | Planned = Paper()
 
 
 def make_visit(
@@ -37,13 +40,15 @@ def make_visit(
     go_to_human_q: Table,
     trial_steps: int = VISIT_TRIAL_STEPS,
     social_reward: str = "social",
+    controller: Paper | Planned | None = None,
 ) -> Visit:
     """A visit with the Q of the two modules, shapes (goal rooms * cells, 25) and (320, 25).
 
-    `social_reward` is `social` or `none`.
+    `social_reward` is `social` or `none`; the `controller` is the paper's unless given.
     """
     direction_values = direction_values_of(navigation_q, world.lab)
-    return Visit(world, direction_values, go_to_human_q, trial_steps, social_reward == "social")
+    pays = social_reward == "social"
+    return Visit(world, direction_values, go_to_human_q, trial_steps, pays, controller or Paper())
 
 
 def direction_values_of(navigation_q: Table, lab: Lab) -> Table:
@@ -68,6 +73,7 @@ def directed(task: Visit, scene: Scene, random: RandomState) -> Scene:
 @BEGIN_TRIAL.of(Visit)
 def begin_trial(task: Visit, last: Scene, random: RandomState) -> Scene:
     """The world's start, with a direction from navigation."""
+    prepare(task.controller, task.direction_values)
     return directed(task, begin_visit(task.world, last, random), random)
 
 
@@ -76,12 +82,19 @@ def step(task: Visit, scene: Scene, action: int, random: RandomState) -> tuple[S
     """One step: the reward of the visit, and the social one, which the social module learns from."""
     executed = action
     if action == Action.GO_TO_HUMAN_VISION:
-        executed = greedy(task.go_to_human[go_to_human_state(scene)], random)
+        executed = approach(task.controller, task.go_to_human, scene, random)
     after, reward = step_visit(task.world, scene, executed, random)
     social = 0.0
     if task.pays_social_reward and follows_in_direction(after, scene.desired_direction):
         social = 1.0
-    return directed(task, after, random), reward, social
+    observed(task.controller, scene, after)
+    return wanted(task.controller, directed(task, after, random)), reward, social
+
+
+@DECIDE.of(Visit)
+def chosen(task: Visit, agent: Any, scene: Scene, state: int, step: int, random: RandomState) -> tuple[int, bool]:
+    """As the controller decides."""
+    return decide(task.controller, agent, scene, state, step, random)  # type: ignore[no-any-return]
 
 
 @OBSERVE.of(Visit)

@@ -14,8 +14,10 @@ from visitlab_cli.world.enums import DISTANCE_NAMES, Action, Direction, Interact
 
 ALWAYS, HUMAN, ENGAGEMENT, GOAL, MODULES = "always", "human", "engagement", "goal", "modules"
 """What there may be in a task, and so what its log has columns for."""
-PHASES = "phases"
-"""What there may be in an experiment of any task: only then does its log have the columns for it."""
+PHASES, PLAN = "phases", "plan"
+"""What a cell may have beside what its task has: phases; a controller that plans where to lead."""
+SOME_CELLS = (PHASES, PLAN)
+"""The parts that only some cells of a task have: the log of a cell without them does not know of their columns."""
 
 FIXED32, FLOAT, BOOL, UINT32, ENUM = "fixed32", "float", "bool", "uint32", "enum"
 DTYPES = {FIXED32: np.uint32, FLOAT: np.float32, BOOL: np.bool_, UINT32: np.uint8, ENUM: np.uint8}
@@ -69,6 +71,13 @@ class StepColumns(NamedTuple):
         Bytes, Column(UINT32, GOAL, "number of the room, 0..8 in the paper's lab: row by row from the north-west")
     ]
     phase: Annotated[Bytes, Column(UINT32, PHASES, "number of the phase, from 0")]
+    plan_leads: Annotated[Bools, Column(BOOL, PLAN, "the plan picks the next action; without it the next four are 0")]
+    wanted_robot_row: Annotated[Uint32s, Column(FIXED32, PLAN, "row that the plan sends the robot to")]
+    wanted_robot_col: Annotated[Uint32s, Column(FIXED32, PLAN, "column that the plan sends the robot to")]
+    wanted_human_row: Annotated[
+        Uint32s, Column(FIXED32, PLAN, "row that the human should follow it to, two steps from now")
+    ]
+    wanted_human_col: Annotated[Uint32s, Column(FIXED32, PLAN, "column that the human should follow it to")]
 
 
 def _columns() -> tuple[Column, ...]:

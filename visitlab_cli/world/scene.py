@@ -16,7 +16,7 @@ from visitlab_cli.world.lab import ALL_OPEN, Lab
 
 
 class Scene(NamedTuple):
-    """One moment of a task, all integers; a task leaves what it lacks at 0."""
+    """One moment of a task, all whole numbers; a task leaves what it lacks at 0."""
 
     robot_row: int = 0
     robot_col: int = 0
@@ -34,6 +34,11 @@ class Scene(NamedTuple):
     goal_room: int = 0
     human_memory: int = 0  # 64 bits that a human's rules may use, 0 at a trial's start
     open_doors: int = ALL_OPEN  # a bit for each of the lab's doors that is open
+    plan_leads: bool = False  # whether a plan picks the next action; where it wants both to go by it
+    wanted_robot_row: int = 0
+    wanted_robot_col: int = 0
+    wanted_human_row: int = 0
+    wanted_human_col: int = 0
 
 
 class Reaction(NamedTuple):
@@ -85,6 +90,10 @@ reaction: Callable[..., Reaction] = _making(Reaction)
 """What the human decides, from the fields of `Reaction`, by name; those with a default may be left out."""
 with_aims: Callable[[Scene, int, int], Scene] = _with("desired_direction", "goal_room")
 """The same scene with another desired direction and goal room."""
+with_wanted: Callable[..., Scene] = _with(
+    "plan_leads", "wanted_robot_row", "wanted_robot_col", "wanted_human_row", "wanted_human_col"
+)
+"""The same scene with what a plan wants: `(scene, plan_leads, robot's row, col, human's row, col)`."""
 _with_robot: Callable[..., Scene] = _with("robot_row", "robot_col", "robot_heading", "executed_action")
 _with_human: Callable[..., Scene] = _with(*Reaction._fields, of="reaction")
 _with_relation: Callable[..., Scene] = _with("interaction_level", "distance", "angle")
