@@ -13,6 +13,7 @@ L stands for all that it takes to win a human back. Only pairs in sight at an ap
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from visitlab_cli.agents.exploration import Table
 from visitlab_cli.compiled import kernel, long_kernel
@@ -24,22 +25,21 @@ from visitlab_cli.world.geometry import Geometry, is_appropriate
 LOST_SHARE = 0.6
 """What losing the human leaves of an average value."""
 NO_GOAL = -1
+SPEED_2, SPEED_3 = N_DIRECTIONS, 2 * N_DIRECTIONS
+"""What a move at a speed has more than one at speed 1."""
 
 
 class Lead(NamedTuple):
     """A plan; an offset is (rows + reach) * side + cols + reach of the robot from the human, side = 2 reach + 1.
 
-    `values` (cells, offsets, goals) is W, `others` its sum over goals (cells, offsets), `lost` (1,) L; `new` is room
-    for the next W and `worth` (goals,) for one action's. `direction` (offsets,) is where the human goes,
-    -1 where the distance is not appropriate. `goal_in` (cells,) is the goal that a cell's room is among `goals`.
-    `speeds` (3,) and `loss` (1,) are what it was planned with.
+    `values` (cells, offsets, goals) is W. `outcomes` (cells, offsets + 1, goals) is what follows from it: what it is
+    worth that the human gets to a cell while the robot gets to an offset of it, the last one for any from which it is
+    lost. `direction` (offsets,) is where the human goes, -1 where the distance is not appropriate. `goal_in` (cells,)
+    is which of the `goals` a cell's room is. `speeds` (3,) and `loss` (1,) are what it was planned with.
     """
 
     values: Table
-    others: Table
-    new: Table
-    worth: Table
-    lost: Table
+    outcomes: Table
     reach: int
     direction: Cells
     goals: Cells
@@ -57,24 +57,13 @@ def make_lead(geometry: Geometry, reach: int, rooms: Cells, goals: Cells) -> Lea
         rooms: the room of each cell, shape (cells,).
         goals: the rooms that goals are drawn from, shape (goals,).
     """
-    cells, side = len(rooms), 2 * reach + 1
+    cells, offsets = len(rooms), (2 * reach + 1) ** 2
     goal_in = np.full(cells, NO_GOAL)
     for index, room in enumerate(goals):
         goal_in[rooms == room] = index
-    shape = cells, side * side, len(goals)
-    return Lead(
-        np.zeros(shape),
-        np.zeros(shape[:2]),
-        np.zeros(shape),
-        np.zeros(len(goals)),
-        np.zeros(1),
-        reach,
-        directions_of(geometry, reach),
-        goals,
-        goal_in,
-        np.zeros(MAX_SPEED),
-        np.zeros(1),
-    )
+    values, outcomes = np.zeros((cells, offsets, len(goals))), np.zeros((cells, offsets + 1, len(goals)))
+    speeds, loss = np.zeros(MAX_SPEED), np.zeros(1)
+    return Lead(values, outcomes, reach, directions_of(geometry, reach), goals, goal_in, speeds, loss)
 
 
 def directions_of(geometry: Geometry, reach: int) -> Cells:
@@ -93,77 +82,80 @@ def directions_of(geometry: Geometry, reach: int) -> Cells:
 @kernel
 def offset_of(lead: Lead, known: Successors, robot: int, human: int) -> int:
     """The robot's offset from the human, -1 where it is not in sight at an appropriate distance."""
-    rows = known.place[robot, 0] - known.place[human, 0]
-    cols = known.place[robot, 1] - known.place[human, 1]
-    if max(abs(rows), abs(cols)) > lead.reach or not known.sees[robot, human]:
-        return -1
-    offset = (rows + lead.reach) * (2 * lead.reach + 1) + cols + lead.reach
-    return offset if lead.direction[offset] >= 0 else -1
+    offset = _outcome(known.place, known.sees, lead.direction, lead.reach, robot, human)
+    return offset if offset < len(lead.direction) else -1
 
 
 @kernel
-def weigh(lead: Lead, known: Successors, human: int, direction: int, robot: int) -> None:
-    """Fill `worth`, for each goal: the robot goes to the cell `robot` while the human goes in `direction`."""
-    goals = len(lead.worth)
-    lead.worth[:] = 0.0
-    for slower in range(MAX_SPEED):
-        chance = lead.speeds[slower]
-        if chance == 0.0:
-            continue
-        ahead = known.after[human, N_DIRECTIONS * slower + direction]
-        offset = offset_of(lead, known, robot, ahead)
-        kept = chance * DISCOUNT * (1.0 - lead.loss[0]) if offset >= 0 else 0.0
-        lost = chance * DISCOUNT * lead.lost[0] - kept * lead.lost[0]
-        reached = lead.goal_in[ahead]
-        for goal in range(goals):
-            lead.worth[goal] += lost
-        if offset >= 0:
-            for goal in range(goals):
-                lead.worth[goal] += kept * lead.values[ahead, offset, goal]
-        if reached != NO_GOAL:
-            lead.worth[reached] += chance
-            if offset >= 0:
-                own = lead.values[ahead, offset, reached]
-                lead.worth[reached] += kept * ((lead.others[ahead, offset] - own) / (goals - 1) - own)
+def _outcome(place: Cells, sees: npt.NDArray[np.bool_], direction: Cells, reach: int, robot: int, human: int) -> int:
+    """Which outcome of the human's cell it is that the robot is in a cell: its offset, or the last.
+
+    It takes the arrays by themselves: each that is taken from a record costs more than all the rest.
+    """
+    rows, cols = place[robot, 0] - place[human, 0], place[robot, 1] - place[human, 1]
+    if abs(rows) > reach or abs(cols) > reach or not sees[robot, human]:
+        return len(direction)
+    offset = (rows + reach) * (2 * reach + 1) + cols + reach
+    return offset if direction[offset] >= 0 else len(direction)
 
 
 @long_kernel
 def sweep_lead(lead: Lead, known: Successors) -> None:
-    """One synchronous sweep, then L from its result."""
-    cells = len(known.after)
+    """One synchronous sweep over all pairs of cells, then what follows from its result."""
+    after, meant, place, sees = known.after, known.meant, known.place, known.sees
+    values, outcomes, directions, reach = lead.values, lead.outcomes, lead.direction, lead.reach
+    slow, middle, fast = lead.speeds[0], lead.speeds[1], lead.speeds[2]
+    cells, offsets, goals = values.shape
+    best = np.zeros(goals)
     for human in range(cells):
         for robot in range(cells):
-            if abs(known.place[robot, 0] - known.place[human, 0]) > lead.reach:
+            offset = _outcome(place, sees, directions, reach, robot, human)
+            if offset == offsets:
                 continue
-            offset = offset_of(lead, known, robot, human)
-            if offset < 0:
-                continue
-            direction, best = lead.direction[offset], lead.new[human, offset]
+            move = directions[offset]
+            first, second, third = after[human, move], after[human, move + SPEED_2], after[human, move + SPEED_3]
             best[:] = 0.0
             for action in range(N_PHYSICAL_ACTIONS):
-                if known.meant[robot, action] == action:  # what comes to another action is that one
-                    weigh(lead, known, human, direction, known.after[robot, action])
-                    for goal in range(len(best)):
-                        best[goal] = max(best[goal], lead.worth[goal])
-    lead.values[:] = lead.new
+                if meant[robot, action] != action:
+                    continue  # what comes to another action is that one
+                to = after[robot, action]
+                near = _outcome(place, sees, directions, reach, to, first)
+                halfway = _outcome(place, sees, directions, reach, to, second)
+                far = _outcome(place, sees, directions, reach, to, third)
+                for goal in range(goals):
+                    worth = slow * outcomes[first, near, goal] + middle * outcomes[second, halfway, goal]
+                    worth += fast * outcomes[third, far, goal]
+                    best[goal] = worth if worth > best[goal] else best[goal]
+            for goal in range(goals):
+                values[human, offset, goal] = best[goal]
     settle(lead)
 
 
 @long_kernel
 def settle(lead: Lead) -> None:
-    """Make `others` and L from the values."""
+    """Make the outcomes from the values, with L."""
+    values, outcomes = lead.values, lead.outcomes
     total, positive = 0.0, 0
-    cells, offsets, goals = lead.values.shape
+    for value in values.flat:
+        total += value
+        positive += value > 0.0
+    lost = LOST_SHARE * total / positive if positive > 0 else 0.0
+    cells, offsets, goals = values.shape
+    keeps, loses = DISCOUNT * (1.0 - lead.loss[0]), DISCOUNT * lead.loss[0] * lost
     for human in range(cells):
+        reached = lead.goal_in[human]
         for offset in range(offsets):
             of_all = 0.0
             for goal in range(goals):
-                value = lead.values[human, offset, goal]
-                of_all += value
-                positive += value > 0.0
-            lead.others[human, offset] = of_all
-            total += of_all
-    lead.lost[0] = LOST_SHARE * total / positive if positive > 0 else 0.0
+                of_all += values[human, offset, goal]
+                outcomes[human, offset, goal] = keeps * values[human, offset, goal] + loses
+            if reached != NO_GOAL:
+                of_others = (of_all - values[human, offset, reached]) / (goals - 1)
+                outcomes[human, offset, reached] = 1.0 + keeps * of_others + loses
+        for goal in range(goals):
+            outcomes[human, offsets, goal] = DISCOUNT * lost
+        if reached != NO_GOAL:
+            outcomes[human, offsets, reached] += 1.0
 
 
 @long_kernel
@@ -188,7 +180,12 @@ def leading_action(lead: Lead, known: Successors, goal_room: int, human: int, ro
     chosen, best = 0, -1.0
     for action in range(N_PHYSICAL_ACTIONS):
         if known.meant[robot, action] == action:
-            weigh(lead, known, human, lead.direction[offset], known.after[robot, action])
-            if lead.worth[goal] > best:
-                chosen, best = action, lead.worth[goal]
+            worth = 0.0
+            for slower in range(MAX_SPEED):
+                ahead = known.after[human, N_DIRECTIONS * slower + lead.direction[offset]]
+                to = known.after[robot, action]
+                place = _outcome(known.place, known.sees, lead.direction, lead.reach, to, ahead)
+                worth += lead.speeds[slower] * lead.outcomes[ahead, place, goal]
+            if worth > best:
+                chosen, best = action, worth
     return chosen

@@ -88,18 +88,18 @@ def follow_up(known: Successors) -> None:
                 known.meant[cell, action] = N_DIRECTIONS * (gone - 1) + action % N_DIRECTIONS
                 if gone == 0:
                     known.meant[cell, action] = Action.STAY.value
-    waiting = np.empty(cells, np.int64)
-    for start in range(len(known.moves)):
-        known.moves[start, :] = NO_WAY
-        known.moves[start, start] = 0
+    after, moves, waiting = known.after, known.moves, np.empty(cells, np.int64)
+    for start in range(len(moves)):
+        moves[start, :] = NO_WAY
+        moves[start, start] = 0
         waiting[0], done, found = start, 0, 1
         while done < found:
             cell = waiting[done]
             done += 1
             for action in range(N_MOVES):
-                ahead = known.after[cell, action]
-                if known.moves[start, ahead] == NO_WAY:
-                    known.moves[start, ahead] = known.moves[start, cell] + 1
+                ahead = after[cell, action]
+                if moves[start, ahead] == NO_WAY:
+                    moves[start, ahead] = moves[start, cell] + 1
                     waiting[found] = ahead
                     found += 1
 
