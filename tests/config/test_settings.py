@@ -56,7 +56,8 @@ SYMMETRIC = {"symmetric": ("0.2.0", False)}
 PHASES = {"phases": ("0.2.0", [])}
 LATER: dict[str, dict[str, tuple[str, Any]]] = {
     **{name: SYMMETRIC for name in ("QLearningParameters", "ModelBasedParameters", "RMaxParameters")},
-    **{name: PHASES for name in ("NavigationTraining", "GoToHumanTraining", "SocialTraining", "Visit")},
+    **{name: PHASES for name in ("NavigationTraining", "GoToHumanTraining", "SocialTraining")},
+    "Visit": PHASES | {"controller": ("0.2.0", "paper"), "told": ("0.2.0", False)},
 }
 """The version that a field came with, and its default, by the model: what comes to a model of `FIRST` is told here."""
 

@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from visitlab_cli.scene.colours import FACING_FIELD, INK, VISUAL_FIELD, Colour, shares
-from visitlab_cli.scene.scene import BODIES, SAYS, Scene
+from visitlab_cli.scene.scene import BODIES, SAYS, WANTED, Scene
 from visitlab_cli.scene.shapes import Area, Arrow, Body, Line, Role, Shape, Sight, Speech, Vectors
 from visitlab_cli.scene.sight import FACES_DEGREES, SEES_DEGREES
 from visitlab_cli.world.enums import N_DIRECTIONS
@@ -26,6 +26,8 @@ _ENTITIES = {
     Role.ROBOT_WAY: "robot's way",
     Role.HUMAN_WAY: "human's way",
     Role.DESIRED: "desired direction",
+    Role.WANTED_HUMAN: "where the plan wants the human",
+    Role.WANTED_ROBOT: "where the plan wants the robot",
 }
 """The names of entities in the frame `lab`."""
 
@@ -50,6 +52,9 @@ def scene_entities(scene: Scene, step: int) -> list[Fields]:
             entities.append(_body(scene, step, shape, said, [] if shape.role == Role.ROBOT else sights))
         elif shape.role in _ENTITIES:
             entities.append(_entity(_ENTITIES[shape.role], LAB, **_PRIMITIVES[type(shape)](scene, shape)))
+    if scene.trial.has_plan:  # what is not wanted any more is replaced by nothing
+        unwanted = {*WANTED.values()} - {shape.role for shape in shapes}
+        entities += [_entity(_ENTITIES[role], LAB) for role in sorted(unwanted)]
     return entities
 
 

@@ -40,6 +40,9 @@ def draw_scene(stage: Stage) -> None:
     stage.fixed("/", rr.AnnotationContext(CLASSES))
     _draw_place(stage)
     _draw_goals(stage, moments)
+    if stage.trial.has_plan:
+        _draw_lines(stage, "human/wanted", moments, (Role.WANTED_HUMAN,), _strip, PATH + 2)
+        _draw_lines(stage, "robot/wanted", moments, (Role.WANTED_ROBOT,), _strip, PATH + 2)
     _draw_human(stage, moments)
     _draw_robot(stage, moments)
     _draw_lines(stage, "robot/away", moments, (Role.AWAY,), _sign, SIGN)

@@ -119,6 +119,10 @@ def _key(trial: Trial) -> list[Any]:
         ]
     if trial.has_engagement:
         handles.append(Line2D([], [], color=shares(DESIRED), linewidth=1.6, label="desired direction"))
+    if trial.has_plan:
+        square: Any = {"linestyle": "", "marker": "s", "markersize": 5, "markerfacecolor": "none"}
+        handles.append(Line2D([], [], markeredgecolor=shares(ROBOT), label="where the plan wants the robot", **square))
+        handles.append(Line2D([], [], markeredgecolor=shares(HUMAN), label="and the human", **square))
     if trial.has_goal:
         handles.append(Patch(facecolor=shares(GOAL_FLOOR), label="goal"))
     if trial.plays.counts_goals:

@@ -16,6 +16,7 @@ from visitlab_cli.world.enums import Action
 COLOURS = {"robot": ROBOT, "human": HUMAN}
 BODIES = {"robot": Role.ROBOT, "human": Role.HUMAN}
 WAYS = {"robot": Role.ROBOT_WAY, "human": Role.HUMAN_WAY}
+WANTED = {"robot": Role.WANTED_ROBOT, "human": Role.WANTED_HUMAN}
 SAYS = {"robot": Role.ROBOT_SAYS, "human": Role.HUMAN_SAYS}
 TRAIL_STEPS = 8
 """The last steps of a way that a drawer shows strongly."""
@@ -68,6 +69,9 @@ class Scene:
             yield _arrow(
                 Role.DESIRED, self._places["human"][step], self._desired[step], (1.2, 3.4), Style(DESIRED, 0.4)
             )
+        if self.trial.has_plan and steps["plan_leads"][step]:
+            for who in self._who:
+                yield self._wanted(who, step)
         for who in self._who:
             yield self._body(who, step)
         if self.trial.has_human:
@@ -88,6 +92,12 @@ class Scene:
         if self.share_a_cell(step):
             return Body(BODIES[who], place + np.array([ASIDE[who], 0], np.float32), heading, ahead, style, NARROW)
         return Body(BODIES[who], place, heading, ahead, style)
+
+    def _wanted(self, who: str, step: int) -> Line:
+        """The border of the cell that the plan wants robot or human in."""
+        row, col = (int(self.trial.steps[f"wanted_{who}_{axis}"][step]) for axis in ("row", "col"))
+        corners = np.array([(0, 0), (1, 0), (1, 1), (0, 1), (0, 0)], np.float32)
+        return Line(WANTED[who], corners + np.array([col, row], np.float32), Style(COLOURS[who], 0.14))
 
     def _sight(self, step: int) -> Sight:
         trial = self.trial

@@ -31,6 +31,8 @@ class Role(StrEnum):
     ROBOT_WAY = "robot way"
     HUMAN_WAY = "human way"
     DESIRED = "desired"
+    WANTED_HUMAN = "wanted human"
+    WANTED_ROBOT = "wanted robot"
     HUMAN = "human"
     ROBOT = "robot"
     AWAY = "away"

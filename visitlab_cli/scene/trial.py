@@ -95,6 +95,11 @@ class Trial:
         return self.plays.has(GOAL)
 
     @property
+    def has_plan(self) -> bool:
+        """Whether a plan said, while it was played, where robot and human should go."""
+        return "plan_leads" in self.steps
+
+    @property
     def has_rooms(self) -> bool:
         """Whether it plays in the lab with its rooms."""
         return self.arena is None

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from visitlab_cli.agents.exploration import Table
-from visitlab_cli.compiled import kernel
+from visitlab_cli.compiled import kernel, long_kernel
 from visitlab_cli.simulation.successors import Successors
 from visitlab_cli.world.enums import MAX_SPEED, N_DIRECTIONS, Action, InteractionLevel
 from visitlab_cli.world.geometry import is_appropriate
@@ -58,7 +58,7 @@ def make_estimates(window: int = 0, told: tuple[tuple[float, ...], float] | None
     )
 
 
-@kernel
+@long_kernel
 def notice(estimates: Estimates, known: Successors, before: Scene, after: Scene, cols: int) -> None:
     """Learn from one step of a lab with `cols` columns, from the scene `before` to that `after`."""
     if estimates.fixed:

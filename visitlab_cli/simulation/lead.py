@@ -82,7 +82,7 @@ def directions_of(geometry: Geometry, reach: int) -> Cells:
 @kernel
 def offset_of(lead: Lead, known: Successors, robot: int, human: int) -> int:
     """The robot's offset from the human, -1 where it is not in sight at an appropriate distance."""
-    offset = _outcome(known.place, known.sees, lead.direction, lead.reach, robot, human)
+    offset: int = _outcome(known.place, known.sees, lead.direction, lead.reach, robot, human)
     return offset if offset < len(lead.direction) else -1
 
 
@@ -96,7 +96,7 @@ def _outcome(place: Cells, sees: npt.NDArray[np.bool_], direction: Cells, reach:
     if abs(rows) > reach or abs(cols) > reach or not sees[robot, human]:
         return len(direction)
     offset = (rows + reach) * (2 * reach + 1) + cols + reach
-    return offset if direction[offset] >= 0 else len(direction)
+    return int(offset) if direction[offset] >= 0 else len(direction)
 
 
 @long_kernel
@@ -138,7 +138,7 @@ def settle(lead: Lead) -> None:
     total, positive = 0.0, 0
     for value in values.flat:
         total += value
-        positive += value > 0.0
+        positive += 1 if value > 0.0 else 0
     lost = LOST_SHARE * total / positive if positive > 0 else 0.0
     cells, offsets, goals = values.shape
     keeps, loses = DISCOUNT * (1.0 - lead.loss[0]), DISCOUNT * lead.loss[0] * lost
@@ -170,7 +170,7 @@ def start_lead(lead: Lead, known: Successors, directions: Table) -> None:
     settle(lead)
 
 
-@kernel
+@long_kernel
 def leading_action(lead: Lead, known: Successors, goal_room: int, human: int, robot: int, offset: int) -> int:
     """The first of the best actions for the robot at an `offset` of the human; one that comes to itself."""
     goal = 0

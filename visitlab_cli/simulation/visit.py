@@ -74,7 +74,8 @@ def directed(task: Visit, scene: Scene, random: RandomState) -> Scene:
 def begin_trial(task: Visit, last: Scene, random: RandomState) -> Scene:
     """The world's start, with a direction from navigation."""
     prepare(task.controller, task.direction_values)
-    return directed(task, begin_visit(task.world, last, random), random)
+    begun = directed(task, begin_visit(task.world, last, random), random)
+    return wanted(task.controller, begun)  # type: ignore[no-any-return]
 
 
 @STEP.of(Visit)
