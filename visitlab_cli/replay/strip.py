@@ -122,7 +122,7 @@ def _key(trial: Trial) -> list[Any]:
     if trial.has_plan:
         square: Any = {"linestyle": "", "marker": "s", "markersize": 5, "markerfacecolor": "none"}
         handles.append(Line2D([], [], markeredgecolor=shares(ROBOT), label="where the plan wants the robot", **square))
-        handles.append(Line2D([], [], markeredgecolor=shares(HUMAN), label="and the human", **square))
+        handles.append(Line2D([], [], markeredgecolor=shares(HUMAN), label="where the plan wants the human", **square))
     if trial.has_goal:
         handles.append(Patch(facecolor=shares(GOAL_FLOOR), label="goal"))
     if trial.plays.counts_goals:
