@@ -1,5 +1,6 @@
 """A kind of human that somebody adds to the program: one file, and all who read a config meet it."""
 
+import csv
 import json
 
 import pytest
@@ -11,7 +12,7 @@ from visitlab_cli.config.loading import load
 
 KIND = '''"""A human that keeps time: it walks east at every so many steps of a trial, and never looks at anybody."""
 
-from typing import Literal, NamedTuple
+from typing import ClassVar, Literal, NamedTuple
 
 from pydantic import Field
 
@@ -31,6 +32,8 @@ class Clockwork(NamedTuple):
 
 class ClockworkParameters(HumanParameters):
     """Walks by the clock."""
+
+    remembers: ClassVar[bool] = True
 
     kind: Literal["clockwork"]
     every: int = Field(default=3, ge=1, le=100, description="steps between two of its own")
@@ -88,6 +91,13 @@ def walks(program, run, human):
     return [row["step"] for row in json.loads(told.stdout)["steps"] if row["human_action"] == "MOVE_1_EAST"]
 
 
+def memory(program, run, human):
+    """What a human remembered after each step of its third trial, None where that is not logged."""
+    told = program("steps", run, "--experiment", "social", "--human", human, "--trial", "2", "--json")
+    rows = json.loads(told.stdout)["steps"]
+    return [row["human_memory"] for row in rows] if "human_memory" in rows[0] else None
+
+
 def test_it_is_trained_visited_recorded_and_replayed_by_its_memory(program, tmp_path):
     done = program("run", "timed.yaml", "--workers", 2)
     assert done.returncode == 0, done.stderr
@@ -102,6 +112,13 @@ def test_it_is_trained_visited_recorded_and_replayed_by_its_memory(program, tmp_
     ):
         told = program(*command)
         assert (told.returncode, told.stderr) == (0, ""), command
+    remembered = {human: memory(program, run, human) for human in ("one", "other", "usual")}
+    assert remembered == {"one": list(range(21)), "other": list(range(21)), "usual": None}
+    table = program("export", run, "--csv", "--table", "steps", "--experiment", "social", "--output", "steps.csv")
+    assert table.returncode == 0, table.stderr
+    with (tmp_path / "steps.csv").open() as file:
+        logged = [(row["human"] == "usual", row["human_memory"], row["step"]) for row in csv.DictReader(file)]
+    assert all(memory == ("" if is_usual else step) for is_usual, memory, step in logged)
     visited = program("steps", run, "--experiment", "visit", "--human", "other", "--json")
     assert "MOVE_1_EAST" in {row["human_action"] for row in json.loads(visited.stdout)["steps"]}
 

@@ -9,23 +9,24 @@ from google.protobuf.message_factory import GetMessageClass
 
 from visitlab_cli.log.schema import file_descriptor
 from visitlab_cli.log.writer import StepRecorder
-from visitlab_cli.world.columns import COLUMNS, FIXED32, FLOAT, StepColumns, empty_columns
+from visitlab_cli.world.columns import COLUMNS, FIXED32, FLOAT, SFIXED64, StepColumns, empty_columns
 from visitlab_cli.world.tasks import columns_of
 
 ATTRIBUTES = {"version": "0.1.0", "cell": "visit/human_2/seed-0000", "seed": "0"}
 CONFIG = b"name: example\n"
 
 BOUNDARIES = {
+    SFIXED64: [-(2**63), -1, 0, 1, 2**63 - 1],
     FIXED32: [0, 1, 127, 128, 2**31, 2**32 - 1],
     FLOAT: [0.0, -0.0, 1.0, -1e30, 1e-45, np.inf],
 }
 BYTE_BOUNDARIES = [0, 1, 127]
 
 
-def message_class(name: str) -> Any:
+def message_class(name: str, parts: tuple[str, ...] = ()) -> Any:
     """The protobuf library's class of `Step` or `Trial`, made from our descriptor."""
     pool = DescriptorPool()
-    pool.Add(file_descriptor())
+    pool.Add(file_descriptor(parts))
     return GetMessageClass(pool.FindMessageTypeByName(f"visitlab.{name}"))
 
 

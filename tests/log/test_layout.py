@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from visitlab_cli.log.layout import layout_of
 from visitlab_cli.log.schema import FIXED64, STEP, TABLES, TRIAL
-from visitlab_cli.world.columns import BOOL, ENUM, FIXED32, FLOAT, UINT32
+from visitlab_cli.world.columns import BOOL, ENUM, FIXED32, FLOAT, SFIXED64, SOME_CELLS, UINT32
 from visitlab_cli.world.tasks import TASK_NAMES, tasks_with
 
 from .blocks import message_class
@@ -16,6 +16,7 @@ from .blocks import message_class
 VALUES = {
     FIXED32: st.integers(0, 2**32 - 1),
     FIXED64: st.integers(0, 2**64 - 1),
+    SFIXED64: st.integers(-(2**63), 2**63 - 1),
     FLOAT: st.floats(width=32, allow_nan=False),
     BOOL: st.booleans(),
     UINT32: st.integers(0, 127),
@@ -26,9 +27,10 @@ ENVELOPE = struct.Struct("<BQHIQQ")  # opcode, length, channel, sequence, log ti
 
 @pytest.mark.parametrize("task", TASK_NAMES)
 @pytest.mark.parametrize("message", [STEP, TRIAL])
-def test_a_record_holds_what_the_protobuf_library_serialises(message, task):
-    library, layout = message_class(message), layout_of(message, task)
-    columns = [column for column in TABLES[message] if task in tasks_with(column.part)]
+@pytest.mark.parametrize("parts", [(), SOME_CELLS])
+def test_a_record_holds_what_the_protobuf_library_serialises(message, task, parts):
+    library, layout = message_class(message, parts), layout_of(message, task, parts)
+    columns = [column for column in TABLES[message] if task in tasks_with(column.part) or column.part in parts]
 
     @settings(max_examples=150, deadline=None)
     @given(st.fixed_dictionaries({column.name: VALUES[column.kind] for column in columns}))

@@ -108,9 +108,8 @@ def _recorder(cell: Cell, file: Path) -> Iterator[Record]:
         "version": versions()["visitlab"],
     }
     document = hashed_yaml(cell.config).encode()
-    parts = cell.settings.parts
     with StepRecorder(
-        file, cell.task, attributes=attributes, config_yaml=document, one_trial_in=one_trial_in, parts=parts
+        file, cell.task, attributes=attributes, config_yaml=document, one_trial_in=one_trial_in, parts=cell.parts
     ) as recorder:
         yield recorder.write
 

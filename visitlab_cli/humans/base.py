@@ -1,7 +1,7 @@
 """What a human of a config is: validated parameters that make the record which the tasks meet."""
 
 import math
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 from pydantic import AfterValidator, Field
 
@@ -22,6 +22,9 @@ SpeedDistribution = Annotated[tuple[Probability, ...], Field(min_length=3, max_l
 
 class HumanParameters(Kind):
     """A human as the YAML declares it; a subclass adds its numbers, and all but the paper's `kind`, a Literal."""
+
+    remembers: ClassVar[bool] = False
+    """Whether its rules use `human_memory`: then the log has it as a column."""
 
     def create(self) -> Any:
         """The human's record, for which its rules are registered with `REACT`."""

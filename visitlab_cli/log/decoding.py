@@ -101,7 +101,8 @@ def fitted(values: list[Any] | Values, source: np.dtype[Any], target: np.dtype[A
             fitting = given.astype(target)
             return fitting, np.isfinite(fitting) | ~np.isfinite(given.astype(np.float64))
         most = 1 if target == np.bool_ else int(np.iinfo(target).max)
-        is_right = (given >= 0) & (given < float(most + 1) if source.kind == "f" else given <= most)
+        least = int(np.iinfo(target).min) if target.kind == "i" and source.kind != "u" else 0
+        is_right = (given >= least) & (given < float(most + 1) if source.kind == "f" else given <= most)
         if source.kind == "f":
             is_right &= given == np.floor(given)
         return np.where(is_right, given, 0).astype(target), is_right

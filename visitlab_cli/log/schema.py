@@ -23,9 +23,11 @@ from visitlab_cli.world.columns import (
     ENUM,
     FIXED32,
     FLOAT,
+    MEMORY,
     MODULES,
     PHASES,
     PLAN,
+    SFIXED64,
     SOME_CELLS,
     UINT32,
     Column,
@@ -55,6 +57,7 @@ TABLES = {STEP: COLUMNS, TRIAL: TRIAL_COLUMNS}
 PROTOBUF_TYPES = {
     FIXED32: FieldDescriptorProto.TYPE_FIXED32,
     FIXED64: FieldDescriptorProto.TYPE_FIXED64,
+    SFIXED64: FieldDescriptorProto.TYPE_SFIXED64,
     FLOAT: FieldDescriptorProto.TYPE_FLOAT,
     BOOL: FieldDescriptorProto.TYPE_BOOL,
     UINT32: FieldDescriptorProto.TYPE_UINT32,
@@ -131,7 +134,7 @@ def proto_text() -> str:
     return "\n\n".join(blocks) + "\n"
 
 
-_WITH = {PHASES: "with phases", PLAN: "with a plan"}
+_WITH = {PHASES: "with phases", PLAN: "with a plan", MEMORY: "with a human who remembers"}
 
 
 def tasks_in_words(column: Column) -> str:

@@ -12,7 +12,7 @@ from visitlab_cli.config.grid import variants
 from visitlab_cli.config.model import Config
 from visitlab_cli.config.names import Module
 from visitlab_cli.plan.evaluation import AS_DECLARED, Evaluation
-from visitlab_cli.world.columns import HUMAN
+from visitlab_cli.world.columns import HUMAN, MEMORY
 from visitlab_cli.world.tasks import SOCIAL
 
 
@@ -67,6 +67,12 @@ class Cell:
     def settings(self) -> Experiment:
         """The experiment as the config declares it."""
         return self.config.experiments[self.experiment]
+
+    @property
+    def parts(self) -> tuple[str, ...]:
+        """What there is in it beside what its task has, of `SOME_CELLS`."""
+        remembers = any(self.config.humans[name].remembers for name in self.humans)
+        return (*self.settings.parts, *((MEMORY,) if remembers else ()))
 
     @property
     def task(self) -> str:

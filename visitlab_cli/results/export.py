@@ -60,11 +60,11 @@ def results_table(lines: Sequence[Summary]) -> Any:
 
 
 def _aligned(run: Path, cells: Sequence[Cell], read: Reader) -> Iterator[Any]:
-    """The cells' tables, all with the same columns: those of a task are the same, so one of each tells them."""
+    """The cells' tables, all with the same columns: one of each task, with what else it has, tells which these are."""
     import pyarrow
 
-    one_of_each_task = {cell.task: cell for cell in reversed(cells)}.values()
-    schemas = [read(run, cell).schema for cell in one_of_each_task]
+    one_of_each = {(cell.task, cell.parts): cell for cell in reversed(cells)}.values()
+    schemas = [read(run, cell).schema for cell in one_of_each]
     for table in tables(run, cells, read):
         schema = pyarrow.unify_schemas([table.schema, *schemas])
         schemas = [schema]

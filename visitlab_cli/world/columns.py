@@ -14,17 +14,26 @@ from visitlab_cli.world.enums import DISTANCE_NAMES, Action, Direction, Interact
 
 ALWAYS, HUMAN, ENGAGEMENT, GOAL, MODULES = "always", "human", "engagement", "goal", "modules"
 """What there may be in a task, and so what its log has columns for."""
-PHASES, PLAN = "phases", "plan"
-"""What a cell may have beside what its task has: phases; a controller that plans where to lead."""
-SOME_CELLS = (PHASES, PLAN)
-"""The parts that only some cells of a task have: the log of a cell without them does not know of their columns."""
+PHASES, PLAN, MEMORY = SOME_CELLS = ("phases", "plan", "memory")
+"""What a cell may have beside what its task has: phases, a controller that plans where to lead, a human who remembers.
 
-FIXED32, FLOAT, BOOL, UINT32, ENUM = "fixed32", "float", "bool", "uint32", "enum"
-DTYPES = {FIXED32: np.uint32, FLOAT: np.float32, BOOL: np.bool_, UINT32: np.uint8, ENUM: np.uint8}
+The log of a cell without them does not know of their columns.
+"""
+
+FIXED32, SFIXED64, FLOAT, BOOL, UINT32, ENUM = "fixed32", "sfixed64", "float", "bool", "uint32", "enum"
+DTYPES = {
+    FIXED32: np.uint32,
+    SFIXED64: np.int64,
+    FLOAT: np.float32,
+    BOOL: np.bool_,
+    UINT32: np.uint8,
+    ENUM: np.uint8,
+}
 
 _DISTANCES = ", ".join(f"{number} {name}" for number, name in enumerate(DISTANCE_NAMES))
 
 Uint32s = npt.NDArray[np.uint32]
+Int64s = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float32]
 Bools = npt.NDArray[np.bool_]
 Bytes = npt.NDArray[np.uint8]
@@ -78,6 +87,7 @@ class StepColumns(NamedTuple):
         Uint32s, Column(FIXED32, PLAN, "row that the human should follow it to, two steps from now")
     ]
     wanted_human_col: Annotated[Uint32s, Column(FIXED32, PLAN, "column that the human should follow it to")]
+    human_memory: Annotated[Int64s, Column(SFIXED64, MEMORY, "what the human remembers, 0 at a trial's start")]
 
 
 def _columns() -> tuple[Column, ...]:

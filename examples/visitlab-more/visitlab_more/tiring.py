@@ -1,6 +1,6 @@
 """A human who tires of greetings: each that is heard makes it more likely that the next goes unnoticed."""
 
-from typing import Literal, NamedTuple
+from typing import ClassVar, Literal, NamedTuple
 
 from pydantic import Field
 
@@ -27,6 +27,8 @@ class Tiring(NamedTuple):
 
 class TiringParameters(SixParameters):
     """The paper's six parameters, and one more; how many greetings it heard is its memory, of a trial."""
+
+    remembers: ClassVar[bool] = True
 
     kind: Literal["tiring"]
     tires: float = Field(default=0.1, ge=0, le=1, description="what each greeting of a trial adds to p_H")
