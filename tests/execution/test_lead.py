@@ -6,8 +6,8 @@ from tests.program import hashes, only_cells, the_run, visitlab
 from visitlab_cli.config.canonical import config_hash
 from visitlab_cli.config.loading import load
 from visitlab_cli.errors import ConfigError
-from visitlab_cli.log.reader import read_metadata, read_steps
-from visitlab_cli.log.schema import parts_of
+from visitlab_cli.log.reader import read_steps
+from visitlab_cli.log.schema import parts_in
 from visitlab_cli.scene.scene import Scene
 from visitlab_cli.scene.shapes import Role
 from visitlab_cli.scene.trial import load_trial
@@ -54,9 +54,8 @@ def test_one_worker_and_what_is_added_later(run, config, tmp_path):
 
 def test_only_a_plan_is_in_the_log(run):
     logs = {name: run / name / "fast" / "seed-0000" / "steps.mcap" for name in ("paper", "mask", "lead")}
-    parts = {name: parts_of(read_metadata(log)) for name, log in logs.items()}
-    assert parts == {"paper": (), "mask": (), "lead": ("plan",)}
     names = {name: list(read_steps(log)) for name, log in logs.items()}
+    assert {name: parts_in(columns) for name, columns in names.items()} == {"paper": (), "mask": (), "lead": ("plan",)}
     assert names["paper"] == names["mask"] == names["lead"][:-5]
     assert b"plan_leads" not in logs["paper"].read_bytes()
     assert b"plan_leads" in logs["lead"].read_bytes()

@@ -11,7 +11,7 @@ from mcap.well_known import MessageEncoding, SchemaEncoding
 
 from visitlab_cli.log.decoding import MessageKind, RefusedError
 from visitlab_cli.log.layout import STEP_CHANNEL, TRIAL_CHANNEL
-from visitlab_cli.log.schema import PACKAGE, STEP, STEP_TOPIC, TRIAL, TRIAL_TOPIC, message_descriptor
+from visitlab_cli.log.schema import PACKAGE, STEP, STEP_TOPIC, TRIAL, TRIAL_TOPIC, Parts, message_descriptor, parts_in
 from visitlab_cli.log.source import DamagedError
 from visitlab_cli.world.columns import SOME_CELLS
 
@@ -65,6 +65,13 @@ class Definitions:
             for channel in self.channels.values()
         )
         return own or (self._elsewhere is not None and self._elsewhere.has_topic(topic))
+
+    @property
+    def parts(self) -> Parts:
+        """Those of `SOME_CELLS` that the log has: for which its steps have fields."""
+        schemas = [self.schema(channel.schema_id) for channel in self.channels.values() if channel.topic == STEP_TOPIC]
+        own = parts_in([name for schema in schemas if schema is not None for name in _names_in(schema)])
+        return own or (self._elsewhere.parts if self._elsewhere is not None else ())
 
     @property
     def are_ours(self) -> bool:
@@ -129,6 +136,16 @@ class Definitions:
                 raise DamagedError(f"the schema of {channel.topic} is invalid") from error
             self._made[key] = MessageKind(channel.topic, found, TOPICS[channel.topic])
         return self._made[key]
+
+
+def _names_in(schema: Schema) -> list[str]:
+    """The names of the fields of a schema's message; none where it can't be read."""
+    try:
+        messages = [each for file in FileDescriptorSet.FromString(schema.data).file for each in file.message_type]
+    except DecodeError:
+        return []
+    name = schema.name.rpartition(".")[2]
+    return [field.name for message in messages if message.name == name for field in message.field]
 
 
 def known_fields(data: bytes) -> int:

@@ -30,6 +30,7 @@ _VARINT, _I64, _I32 = 0, 1, 5
 _WIRE = {
     FieldDescriptorProto.TYPE_FIXED32: (_I32, "<u4"),
     FieldDescriptorProto.TYPE_FIXED64: (_I64, "<u8"),
+    FieldDescriptorProto.TYPE_SFIXED64: (_I64, "<i8"),
     FieldDescriptorProto.TYPE_FLOAT: (_I32, "<f4"),
     FieldDescriptorProto.TYPE_BOOL: (_VARINT, "?"),
     FieldDescriptorProto.TYPE_UINT32: (_VARINT, "u1"),

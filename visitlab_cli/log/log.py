@@ -33,7 +33,6 @@ from visitlab_cli.log.schema import (
     STEP_TOPIC,
     TRIAL,
     TRIAL_TOPIC,
-    parts_of,
 )
 from visitlab_cli.log.source import (
     MAX_RECORD,
@@ -103,7 +102,7 @@ class Log:
                 self._define(self._source.definition(place))
         self.has_steps, self.has_trials = map(self._all.has_topic, (STEP_TOPIC, TRIAL_TOPIC))
         self.attributes = self._checked(attributes) if attributes is not None else self._guessed()
-        task, parts = self.attributes[TASK], parts_of(self.attributes)
+        task, parts = self.attributes[TASK], self._all.parts
         self.step_layout, self.trial_layout = layout_of(STEP, task, parts), layout_of(TRIAL, task, parts)
         self.own_block = lru_cache(CHUNKS_KEPT)(self._own_block)
 

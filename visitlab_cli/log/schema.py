@@ -5,7 +5,7 @@ logs only. Every field is proto3 `optional`, so that a value of zero is written 
 A log carries the schema, hence any MCAP reader decodes it.
 """
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator
 from enum import IntEnum
 
 from google.protobuf.descriptor_pb2 import (
@@ -37,7 +37,7 @@ from visitlab_cli.world.tasks import TASK_NAMES, tasks_with
 FORMAT = "1"
 METADATA_NAME = "visitlab"
 CONFIG_NAME = "config.yaml"
-ONE_TRIAL_IN, PARTS = "one_trial_in", "parts"
+ONE_TRIAL_IN = "one_trial_in"
 STEP_NS = 1_000_000_000  # a step takes one simulated second
 
 PACKAGE = "visitlab"
@@ -69,15 +69,9 @@ Parts = tuple[str, ...]
 """Those of `SOME_CELLS` that a log has."""
 
 
-def parts_of(attributes: Mapping[str, str]) -> Parts:
-    """Those that a log's metadata names."""
-    named = attributes.get(PARTS, "").split(",")
-    return tuple(part for part in SOME_CELLS if part in named)
-
-
 def parts_in(names: Collection[str]) -> Parts:
     """Those that a log has whose steps have columns of these names."""
-    return tuple(part for part in SOME_CELLS if any(each.part == part and each.name in names for each in COLUMNS))
+    return tuple(part for part in SOME_CELLS if all(each.name in names for each in COLUMNS if each.part == part))
 
 
 def file_descriptor(parts: Parts = ()) -> FileDescriptorProto:

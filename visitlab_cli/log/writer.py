@@ -22,7 +22,6 @@ from visitlab_cli.log.schema import (
     METADATA_NAME,
     ONE_TRIAL_IN,
     PACKAGE,
-    PARTS,
     STEP,
     STEP_NS,
     STEP_TOPIC,
@@ -74,7 +73,6 @@ class StepRecorder:
         self._trials_written = 0
         self._open_reward = 0.0  # of the trial that goes on in the next chunk
         added = {"format": FORMAT, "task": task, ONE_TRIAL_IN: str(one_trial_in)}
-        added |= {PARTS: ",".join(parts)} if parts else {}
         try:
             self._file = McapFile(path)
         except OSError as error:
