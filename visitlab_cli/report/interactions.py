@@ -3,6 +3,7 @@
 from visitlab_cli.report.choices import AGENT, HUMAN, Choices
 from visitlab_cli.report.facts import Facts
 from visitlab_cli.report.markup import Html, element
+from visitlab_cli.report.names import breakable
 from visitlab_cli.report.results_table import condition, title_of
 from visitlab_cli.report.sections import section
 from visitlab_cli.report.tables import UNKNOWN, Body, Row, table
@@ -21,13 +22,13 @@ SHOWN = {
     "path_efficiency": "Path efficiency",
 }
 """The head of each metric that is shown."""
+PARTS = ("Phase", "Trials")
 DIGITS = {SHARE: ".0%", STEPS_UNIT: ".1f", PER_HUNDRED: ".1f", RATIO: ".2f"}
 NOTE = (
     "From the logs, means over the independent seeds that have such a step: how much of the time each faces the "
     "other, the human follows, the two are too close; how soon, where at all, the human is greeted, follows, reaches "
     "its first goal, and is back after its attention was lost; its shortest way to a goal over the way that it walked. "
 )
-PHASE = "Phase"
 MORE = "All metrics, with intervals: "
 
 
@@ -38,18 +39,14 @@ def interactions(facts: Facts, choices: Choices, title: str) -> Html | None:
         return None
     shown = {name: head for name, head in SHOWN.items() if any(name in each.values for each in found)}
     phased = any(each.part != WHOLE for each in found)
-    heads = [AGENT, HUMAN, *choices.varied.heads.values(), *([PHASE] if phased else []), *shown.values()]
+    heads = [AGENT, HUMAN, *(PARTS if phased else ()), *choices.varied.heads.values(), *shown.values()]
     bodies = []
     for name in dict.fromkeys(title_of(each.group) for each in found):
         members = [each for each in found if title_of(each.group) == name]
         rows = [
             Row(
                 choices.add(choices.of(each.group)),
-                [
-                    *condition(each.group, choices, facts.hues),
-                    *([_phase(each)] if phased else []),
-                    *(_cell(each, metric) for metric in shown),
-                ],
+                [*_who(each, choices, facts, phased), *(_cell(each, metric) for metric in shown)],
             )
             for each in members
         ]
@@ -58,10 +55,10 @@ def interactions(facts: Facts, choices: Choices, title: str) -> Html | None:
     return section("interactions", title, note, table(title, heads, bodies))
 
 
-def _phase(each: GroupMetrics) -> Html:
-    if each.part == WHOLE:
-        return Html(UNKNOWN)
-    return element("span", f"{each.part.phase}, {each.part.trials}, {each.human}")
+def _who(each: GroupMetrics, choices: Choices, facts: Facts, phased: bool) -> list[Html]:
+    agent, human, *settings = condition(each.group._replace(human=each.human), choices, facts.hues)
+    part = [UNKNOWN if value in (None, "") else str(value) for value in each.part] if phased else []
+    return [agent, human, *map(breakable, part), *settings]
 
 
 def _cell(each: GroupMetrics, metric: str) -> Html:

@@ -15,8 +15,8 @@ from visitlab_cli.results.against_script import against_script
 from visitlab_cli.results.evaluated import evaluated
 from visitlab_cli.results.expected import Result, results
 from visitlab_cli.results.marginal import marginals
-from visitlab_cli.results.metrics import recorded_metrics
 from visitlab_cli.results.pairs import AGENT, Pair, compare_by
+from visitlab_cli.results.recorded import recorded_metrics
 from visitlab_cli.results.summary import summaries
 from visitlab_cli.storage.cell_folder import SOURCES, read_cell
 from visitlab_cli.storage.inside import check_inside

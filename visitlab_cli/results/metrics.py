@@ -4,7 +4,6 @@ Such numbers are told of robots among people by HuNavSim (Perez-Higueras et al.,
 2024) and Arena; here distances are in cells and times in steps. docs/metrics.md has each definition.
 """
 
-import contextlib
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -269,18 +268,6 @@ def group_metrics(run: Path, cells: Sequence[Cell], first: int = FIRST) -> list[
         what = "no finished cell" if social else "no training of the social module and no visit"
         raise NotFoundError(f"{run}: has {what}, and metrics are of these")
     return [each for group in groups_of(done) for each in _of_group(run, group, first)]
-
-
-def recorded_metrics(run: Path, cells: Sequence[Cell], first: int = FIRST) -> list[GroupMetrics]:
-    """As `group_metrics`, of the cells that have a log; none where there is no such cell.
-
-    Raises:
-        RunError: a log is damaged.
-    """
-    recorded = [cell for cell in cells if (run / cell.path / STEPS).is_file()]
-    with contextlib.suppress(NotFoundError):
-        return group_metrics(run, recorded, first)
-    return []
 
 
 def _of_group(run: Path, group: Group, first: int) -> Iterator[GroupMetrics]:

@@ -24,8 +24,7 @@ HELP = Help(
     place=2,
     examples=(
         "visitlab runs show quickstart",
-        "visitlab runs show latest --level 0.5",
-        "visitlab runs show quickstart --metrics",
+        "visitlab runs show latest --level 0.5 --metrics",
     ),
 )
 
@@ -47,8 +46,8 @@ def command(
     from visitlab_cli.errors import UsageError
     from visitlab_cli.plan.cells import plan
     from visitlab_cli.results.evaluated import evaluated
-    from visitlab_cli.results.metrics import recorded_metrics
     from visitlab_cli.results.phases import phase_results
+    from visitlab_cli.results.recorded import recorded_metrics
     from visitlab_cli.results.runs import run_line
     from visitlab_cli.results.summary import summaries
     from visitlab_cli.storage.made_by import made_by, mixed
@@ -72,10 +71,10 @@ def command(
         whole |= {"first": first, "phases": [each.as_json() for each in phases]} if phases else {}
         tell_json(whole | ({"metrics": [row for each in interactions for row in each.as_rows()]} if metrics else {}))
         return
-    tell_text("\n".join([_text(line, lines, level), *(["", *table_and_notes(phases, first)] if phases else [])]))
-    if interactions:
-        tell_text("\n" + metrics_table(interactions))
-    elif metrics:
+    parts = [_text(line, lines, level), *(["", *table_and_notes(phases, first)] if phases else [])]
+    parts += ["", metrics_table(interactions)] if interactions else []
+    tell_text("\n".join(parts))
+    if metrics and not interactions:
         tell(f"{folder}: no finished cell with a human who can be engaged has a log, which metrics are of", err=True)
 
 
