@@ -11,8 +11,9 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from visitlab_cli.agents.base import CHOOSE, LEARN, Saved
+from visitlab_cli.agents.base import CHOOSE, CHOOSE_AS, LEARN, Saved
 from visitlab_cli.agents.base import choose as choose_of
+from visitlab_cli.agents.base import choose_as as choose_as_of
 from visitlab_cli.agents.base import learn as learn_of
 from visitlab_cli.random_numbers import RandomState
 from visitlab_cli.world.enums import N_DIRECTIONS, N_DISTANCES, N_LEVELS, N_MOVES, N_SOCIAL_ACTIONS
@@ -71,6 +72,14 @@ def choose(agent: Symmetric, state: int, step: int, random: RandomState) -> tupl
     """What the inner agent chooses in the state that stands for this one."""
     action, explored = choose_of(agent.inner, agent.fold.state[state], step, random)
     return agent.fold.back[state, action], explored
+
+
+@CHOOSE_AS.of(Symmetric)
+def choose_as(agent: Symmetric, state: int, meant: Ints, step: int, random: RandomState) -> tuple[int, bool]:
+    """The same where each action is valued as the one it comes to."""
+    there, back = agent.fold.action[state], agent.fold.back[state]
+    action, explored = choose_as_of(agent.inner, agent.fold.state[state], there[meant[back]], step, random)
+    return back[action], explored
 
 
 @LEARN.of(Symmetric)
