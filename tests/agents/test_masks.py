@@ -30,7 +30,7 @@ def agent_of(kind, **settings):
         ("model_based", {"epsilon": 0}),
         ("rmax", {}),
         ("scripted", {}),
-        ("model_based", {"epsilon": 0, "symmetric": True}),
+        ("model_based", {"epsilon": 0, "symmetric": True, "unvisited": "zero"}),
     ],
 )
 def test_the_best_of_what_actions_come_to(kind, settings):

@@ -128,6 +128,19 @@ def test_the_hash_is_of_every_byte_of_them(tmp_path, monkeypatch):
     assert len(seen) == 1 + len(hashed)
 
 
+def test_nothing_is_compiled_while_the_program_is_imported():
+    program = (
+        "import importlib, pkgutil, visitlab_cli\n"
+        "for module in pkgutil.walk_packages(visitlab_cli.__path__, 'visitlab_cli.'):\n"
+        "    if not module.name.endswith('__main__') and '.template' not in module.name:\n"
+        "        importlib.import_module(module.name)\n"
+        "from visitlab_cli.compiled import cache_place\n"
+        "print(cache_place.cache_info().currsize)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert done.stdout == "0\n"
+
+
 def make_unsafe(kind, folder, monkeypatch):
     if kind == "of another user":
         monkeypatch.setattr(os, "geteuid", lambda: folder.stat().st_uid + 1)

@@ -45,8 +45,8 @@ MUTATIONS: list[Mutation] = [
     Mutation(
         "a look is a gesture",
         GESTURES,
-        "return action == Action.HELLO",
-        "return action >= Action.LOOK or action == Action.HELLO",
+        "return action in GESTURES",
+        "return action >= Action.LOOK",
         "social",
     ),
     Mutation(

@@ -13,15 +13,15 @@ import numpy.typing as npt
 
 from visitlab_cli.exact.draws import outcomes
 from visitlab_cli.humans.six_parameters import Human, behave, engage
-from visitlab_cli.world.enums import MAX_SPEED, N_DIRECTIONS, N_SOCIAL_ACTIONS, Action, Engagement
-from visitlab_cli.world.human import follows_in_direction, is_gesture
+from visitlab_cli.world.enums import MAX_SPEED, N_DIRECTIONS, Action, Engagement
+from visitlab_cli.world.human import GESTURES, follows_in_direction
 from visitlab_cli.world.scene import NOWHERE, Body, Scene, first_scene, related
 from visitlab_cli.world.social import Social, make_social, step
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 N_ENGAGEMENTS = len(Engagement)
-KINDS = *(action for action in range(N_SOCIAL_ACTIONS) if is_gesture(action)), Action.STAY.value
+KINDS = (*GESTURES, Action.STAY.value)
 """Actions of which each is another to the human; all but gestures are as staying."""
 OTHER = len(KINDS) - 1
 STILL = Human(1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)

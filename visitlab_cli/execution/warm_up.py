@@ -51,7 +51,7 @@ def _warm_up(cells: Sequence[Cell], say: Callable[[str], None]) -> None:
             simulation = _one_step(cell)
         except AgentFailedError:
             continue  # the cell fails alone, and tells it
-        place = place_of(records_in([(stretch.task, stretch.agent) for stretch in simulation.stretches]))
+        place = place_of(records_in(tuple(stretch[:2] for stretch in simulation.stretches)))
         marker = None if place.folder is None else place.folder / (COMPILED + name)
         if not announced and (marker is None or not marker.exists()):
             announced = True

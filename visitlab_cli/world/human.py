@@ -21,11 +21,14 @@ def _react(human, lab, geometry, scene, action, random):  # type: ignore[no-unty
 REACT = Operation(_react)
 react = REACT.function
 
+GESTURES = (Action.HELLO.value, Action.COME.value, Action.POINT.value)
+"""What the robot does that moves nothing, and at which a following human stays."""
+
 
 @kernel
 def is_gesture(action: int) -> bool:
     """Whether the robot's action is a gesture, at which a following human stays."""
-    return action == Action.HELLO or action == Action.COME or action == Action.POINT
+    return action in GESTURES
 
 
 @kernel
