@@ -63,6 +63,7 @@ def played(steps=STEPS, **settings):
     return agent, chosen
 
 
+@pytest.mark.slow
 def test_it_is_what_a_second_computation_without_traces_has():
     agent, chosen = played()
     q, expected = second(STEPS, random_state(5, "sarsa"))

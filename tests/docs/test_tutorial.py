@@ -6,6 +6,7 @@ from tests.docs.tutorial import PAGE, RUN, made_anew, run, shown, small_size
 from visitlab_cli.config.files import shipped_configs
 
 
+@pytest.mark.slow
 def test_the_commands_work_in_small(tmp_path):
     page = PAGE.read_text()
     steps = shown(page)

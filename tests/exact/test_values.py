@@ -101,6 +101,7 @@ def test_what_is_possible_in_an_experiment():
     assert possible(social.model_copy(update={"arena": 20}), human=human) is None
 
 
+@pytest.mark.slow
 def test_the_list_holds_the_three_trainings_and_the_papers_humans():
     lines = exact_values(0.9)
     assert {line.task for line in lines} == {"navigation", "go_to_human", "social"}

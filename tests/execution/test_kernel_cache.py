@@ -44,6 +44,7 @@ def compiled_files(cache):
     return sorted(file.name for file in cache.rglob("*.nbc"))
 
 
+@pytest.mark.slow
 def test_an_edited_kernel_file_changes_the_next_result(tmp_path):
     package, cache = tmp_path / "visitlab_cli", tmp_path / "cache"
     shutil.copytree(PACKAGE, package)

@@ -250,6 +250,7 @@ for name in visitlab_cli.gym.ENVIRONMENTS:
 """
 
 
+@pytest.mark.slow
 def test_without_the_compiler_all_is_the_same():
     played = [
         subprocess.run(

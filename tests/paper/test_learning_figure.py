@@ -114,6 +114,7 @@ def test_what_is_not_as_published_has_no_published_curve_behind_it(drawings):
     assert "navigation.steps 2000, published 500000" in visit.get_xlabel().replace("\n", " ")
 
 
+@pytest.mark.slow
 def test_a_human_with_other_values_has_no_published_curve_and_one_by_another_name_has(tmp_path):
     """A config as a user may have it: `human_2` edited, the published one kept as `shy`."""
     text = """

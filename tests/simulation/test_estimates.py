@@ -118,6 +118,7 @@ def test_only_what_can_be_seen_is_looked_at():
     assert true.loss.tolist() == found.loss.tolist()
 
 
+@pytest.mark.slow
 def test_in_a_visit_the_human_is_known_in_the_end():
     visit = visit_in(two_rooms(8, 16), "mask", "plan", "lead")
     played(visit, 200)
