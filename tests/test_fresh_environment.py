@@ -79,5 +79,5 @@ def test_it_is_all_that_it_says(program, name, tmp_path):
     program("eval", whole, "--frozen", "--trials", 2)
     program("replay", whole, "--trial", 1, "--save", tmp_path / "trial.rrd")
     compared = json.loads(program("compare", whole, "--by", "agent", "--json"))
-    assert {pair["second"] for pair in compared["pairs"]} | {pair["first"] for pair in compared["pairs"]} >= {"mf"}
+    assert {pair[side]["name"] for pair in compared["pairs"] for side in ("first", "second")} >= {"mf", "mb"}
     program("runs", "verify", whole)
