@@ -37,7 +37,7 @@ def whole_values(lab, speeds, loss):
     bearing = np.round(np.arctan2(north, -east) / (np.pi / 4) % 8, 2)  # from human to robot: rows grow southwards
     towards = (np.rint((bearing + 4) % 8).astype(int) + 4) % 8
     room, values = lab.rooms.ravel(), np.zeros((lab.n_rooms, len(cells), len(cells)))
-    for _ in range(600):
+    for _ in range(220):
         lost = SHARE * values[values > 0].mean() if (values > 0).any() else 0.0
         best = np.full(values.shape, -np.inf)
         for action in range(25):
@@ -61,7 +61,7 @@ def test_the_plan_is_value_iteration_over_the_whole_state(walls):
     lab = two_rooms() if walls else make_lab(6, 6, rooms=np.tile(np.arange(6) // 3, (6, 1)))
     visit = planned(lab, told=TOLD)
     leading, known = visit.controller.leading, visit.controller.known
-    for _ in range(600):
+    for _ in range(220):
         sweep_lead(leading, known)
     expected, side = whole_values(lab, *TOLD), 2 * leading.reach + 1
     for human in range(36):
