@@ -32,10 +32,11 @@ agents:
   rmax: {{kind: rmax, plan_every: 200}}
   watcher: {{kind: observer, watches: mb, learner: mf, until: 600, acts_as: mf}}
   script: {{kind: scripted}}
+  mirror: {{kind: model_based, plan_every: 200, symmetric: true, unvisited: zero}}
 experiments:
   navigation: {{task: navigation, agents: [rmax], NAVIGATION}}
   go_to_human: {{task: go_to_human, agents: [mb], steps: 1200}}
-  social: {{task: social, agents: [mb, watcher], SOCIAL}}
+  social: {{task: social, agents: [mb, watcher, mirror], SOCIAL}}
   on: {{task: social, agents: [mb], humans: [still], steps: 400, start_from: STARTmb/WHO}}
   script: {{task: social, agents: [script], humans: [fast], steps: 20}}
   visit:
@@ -89,7 +90,7 @@ def run(tmp_path_factory):
     return the_run(folder / "runs")
 
 
-@pytest.mark.parametrize("agent", ["mb", "watcher"])
+@pytest.mark.parametrize("agent", ["mb", "watcher", "mirror"])
 @pytest.mark.parametrize(
     "phases",
     [
@@ -220,3 +221,23 @@ def test_thinned_logs_keep_their_phases(tmp_path):
     steps = read_steps(file)
     assert read_metadata(file)["one_trial_in"] == "7"
     np.testing.assert_array_equal(steps["phase"], np.repeat([0, 1, 2], [20, 15, 20])[steps["trial"]])
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ["report"],
+        ["figures"],
+        ["compare", "--by", "agent"],
+        ["compare", "--by", "phase"],
+        ["metrics"],
+        ["runs", "show", "--metrics"],
+        ["steps", "--phase", "1"],
+        ["runs", "verify"],
+    ],
+    ids=" ".join,
+)
+def test_whoever_reads_a_run_reads_one_in_which_humans_are_met_in_turn(run, command):
+    done = visitlab(*command, run)
+    assert done.returncode == 0, done.stderr
+    assert "not visitlab's" not in done.stdout

@@ -49,6 +49,11 @@ class AgentParameters(Kind):
     that refers to no other)."""
 
     @property
+    def played_as(self) -> str:
+        """What of its settings decides the type of its record; empty by default."""
+        return ""
+
+    @property
     def playable(self) -> tuple[str, ...]:
         """The tasks that it can play as it is set."""
         return self.tasks

@@ -50,15 +50,19 @@ def fold() -> Fold:
     turned = np.array([_turned(symmetry, np.arange(N_DIRECTIONS)) for symmetry in range(2 * N_QUARTERS)])
     for symmetry, to in enumerate(turned):
         there = number[parts.level, parts.distance, to[parts.desired_direction], to[parts.angle]]
-        place, least = (parts_of(each) for each in (there, best))
-        before = (place.angle, place.desired_direction), (least.angle, least.desired_direction)
-        better = (before[0][0] < before[1][0]) | ((before[0][0] == before[1][0]) & (before[0][1] < before[1][1]))
+        better = _rank(there) < _rank(best)
         best[better], chosen[better] = there[better], symmetry
     actions = np.tile(np.arange(N_SOCIAL_ACTIONS), (len(turned), 1))
     moves = np.arange(N_MOVES)
     actions[:, :N_MOVES] = moves - moves % N_DIRECTIONS + turned[:, moves % N_DIRECTIONS]
     kept = np.unique(best)
     return Fold(kept, np.searchsorted(kept, best), actions[chosen], np.argsort(actions, axis=1)[chosen])
+
+
+def _rank(states: Ints) -> Ints:
+    """Which of the same states stands for the others: the first by angle, then by desired direction."""
+    parts = parts_of(states)
+    return parts.angle * N_DIRECTIONS + parts.desired_direction
 
 
 def _turned(symmetry: int, directions: Ints) -> Ints:

@@ -23,6 +23,11 @@ class TabularParameters(AgentParameters):
     )
 
     @property
+    def played_as(self) -> str:
+        """Symmetric, where it is."""
+        return "symmetric" if self.symmetric else ""
+
+    @property
     def playable(self) -> tuple[str, ...]:
         """Where it is symmetric, the tasks whose states have directions."""
         return (SOCIAL, VISIT) if self.symmetric else self.tasks
@@ -52,6 +57,12 @@ class TabularParameters(AgentParameters):
     def fault(self, setting: Setting, saved: Saved) -> str | None:
         """Also whether they are symmetric."""
         return self._fault(saved) or (fault_in_fold(saved) if self.symmetric else None)
+
+    def planning_every(self, record: Any, steps: int) -> Any:
+        """It is the record that learns which plans."""
+        if isinstance(record, Symmetric):
+            return record._replace(inner=super().planning_every(record.inner, steps))
+        return super().planning_every(record, steps)
 
     def forget_rewards(self, record: Any) -> None:
         """Of the record that learns."""

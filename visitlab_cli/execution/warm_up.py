@@ -73,14 +73,9 @@ def _pair(cell: Cell) -> str:
     """A name for what decides the types that the loop is compiled for."""
     agent = cell.config.agents[cell.agent]
     started = bool(cell.modules) and not cell.settings.assembled  # an observer that goes on is of another type
-    kinds = [
-        cell.task,
-        agent.kind,
-        "frozen" if cell.frozen else "",
-        "started" if started else "",
-        cell.settings.played_as,
-    ]
-    kinds += [cell.config.agents[getattr(agent, other)].kind for other in agent.references]
+    kinds = [cell.task, cell.settings.played_as, "frozen" if cell.frozen else "", "started" if started else ""]
+    agents = [agent, *(cell.config.agents[getattr(agent, other)] for other in agent.references)]
+    kinds += [word for each in agents for word in (each.kind, each.played_as)]
     kinds += dict.fromkeys(kind(cell.config.humans[human]) for human in cell.humans)
     return "-".join(filter(None, kinds))
 

@@ -129,7 +129,7 @@ def _visits(groups: Sequence[Group]) -> list[Experiment]:
 def bounds_of(groups: Sequence[Group]) -> Possible | None:
     """The exact values that all groups of an experiment share."""
     cells = [group.cells[0] for group in groups]
-    humans = {cell.config.humans[cell.human] for cell in cells if cell.human}
+    humans = {cell.config.humans[name] for cell in cells for name in cell.humans}
     found = {possible_in(cell) for cell in cells} if len(humans) <= 1 else set()  # a grid of humans would take long
     return found.pop() if len(found) == 1 else None
 

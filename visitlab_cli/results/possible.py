@@ -5,6 +5,8 @@ from visitlab_cli.plan.cells import Cell
 
 
 def possible_in(cell: Cell) -> Possible | None:
-    """The exact values of a cell's task, with its human; None where they are not known."""
-    human = cell.config.humans[cell.human] if cell.human else None
-    return possible(cell.settings, cell.config.interaction.distances, human)
+    """The exact values of a cell's task, with its human; None where they are not known, or several are met in turn."""
+    humans = [cell.config.humans[name] for name in cell.humans]
+    if len(humans) > 1:
+        return None
+    return possible(cell.settings, cell.config.interaction.distances, *humans)

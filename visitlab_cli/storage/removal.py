@@ -38,7 +38,7 @@ from visitlab_cli.storage.run_folder import CONFIG, VERSIONS, hash_of_name, is_r
 
 YOUNG = 60.0
 """Seconds in which a temporary file may still be in use."""
-_FIGURE = re.compile(r"(fig[6-9]|grid|matrix|affordances[\w.-]*)\.(svg|png|pdf)")
+_FIGURE = re.compile(r"(fig[6-9]|grid|phases|matrix|affordances[\w.-]*)\.(svg|png|pdf)")
 """The pictures that visitlab draws into a run."""
 
 
