@@ -3,20 +3,27 @@
 import pytest
 
 from tests.program import hashes, only_cells, the_run, visitlab
+from visitlab_cli.agents.base import Setting
 from visitlab_cli.config.canonical import config_hash
-from visitlab_cli.config.loading import load
+from visitlab_cli.config.loading import load, load_text
+from visitlab_cli.config.references import Declared, issues
 from visitlab_cli.errors import ConfigError
+from visitlab_cli.execution.build import build
+from visitlab_cli.humans.base import HumanParameters
 from visitlab_cli.log.reader import read_steps
 from visitlab_cli.log.schema import parts_in
+from visitlab_cli.plan.cells import plan
 from visitlab_cli.scene.scene import Scene
 from visitlab_cli.scene.shapes import Role
 from visitlab_cli.scene.trial import load_trial
+from visitlab_cli.simulation.estimates import RECENT
 
 CONFIG = """
 name: leading
 seed: 3
 humans:
   fast: {p_S: [0, 0.5, 0.5], p_H: 0.05, p_M: 0.05, p_O: 0.15, p_A: 0.05}
+  slow: {p_S: [1, 0, 0], p_A: 0.05}
 agents:
   rmax: {kind: rmax}
   mb: {kind: model_based}
@@ -29,6 +36,11 @@ experiments:
   mask: {task: visit, modules: MODULES, humans: [fast], trials: 11, controller: [mask]}
   lead: {task: visit, modules: MODULES, humans: [fast], trials: 11, controller: lead}
   lead_told: {task: visit, modules: MODULES, humans: [fast], trials: 11, controller: lead, told: true}
+  in_turn:
+    task: visit
+    modules: MODULES
+    controller: lead
+    phases: [{trials: 5, human: fast}, {trials: 8, human: slow}, {trials: 5, human: fast}]
 """.replace("MODULES", "{navigation: navigation/rmax, go_to_human: go_to_human/mb, social: social/script}")
 
 
@@ -88,6 +100,7 @@ def test_who_is_told_leads_otherwise(run):
         ("[mask]", "[mask], told: true", "the controller does not plan"),
         ("rmax: {kind: rmax}", "rmax: {kind: q_learning}", "learns a model"),
         ("script: {kind: scripted}", "script: {kind: random}", "can't mask"),
+        ("name: leading", "name: leading\ninteraction: {distances: [1, 2, 4, 11]}", "planned up to 10 cells"),
     ],
 )
 def test_what_cannot_be_is_refused_in_a_line(tmp_path, old, new, told):
@@ -96,6 +109,31 @@ def test_what_cannot_be_is_refused_in_a_line(tmp_path, old, new, told):
     with pytest.raises(ConfigError, match=told) as refused:
         load(file)
     assert "controller" in str(refused.value) or "told" in str(refused.value)
+
+
+def test_the_controller_goes_on_with_what_it_knows_where_another_human_comes():
+    (cell,) = (each for each in plan(load_text(CONFIG, "leading.yaml")) if each.experiment == "in_turn")
+    sizes = {"navigation": ("rmax", 5184, 25), "go_to_human": ("mb", 320, 25)}
+    models = {}
+    for task, (name, states, actions) in sizes.items():
+        agent = cell.config.agents[name]
+        models[task] = agent.save(agent.create(Setting(task, states, actions, 1)))
+    tasks = [task for task, _, _ in build(cell, models | {"social": {}}).stretches]
+    assert len({id(task.controller.estimates.speeds) for task in tasks}) == 1
+    assert len({id(task.direction_values) for task in tasks}) == 1
+    assert tasks[0].world.human == tasks[2].world.human != tasks[1].world.human
+    assert len(tasks[0].controller.estimates.recent_moves) == RECENT
+
+
+def test_who_is_told_is_told_of_each_human_that_has_something_to_tell():
+    told = CONFIG.replace("    controller: lead\n", "    controller: lead\n    told: true\n")
+    config = load_text(told, "leading.yaml")
+    humans = {**config.humans, "slow": HumanParameters()}
+    (found,) = issues(Declared(humans, config.agents, config.experiments))
+    assert (found.path, found.message) == (
+        ("experiments", "in_turn", "phases", 1, "human"),
+        "told: slow has no p_S and p_A to tell",
+    )
 
 
 def test_one_controller_has_one_spelling(config):

@@ -58,7 +58,10 @@ def check(plain: Plain, *, kept: bool = False) -> tuple[Config | None, list[Issu
         config = model.model_validate_json(text, strict=True)
     except ValidationError as error:
         return None, issues + issues_of(error, model) + reference_issues(_declared(plain, model))
-    found = issues + reference_issues(Declared(config.humans, config.agents, config.experiments, config.expected))
+    whole = Declared(
+        config.humans, config.agents, config.experiments, config.expected, config.interaction.distances[-1]
+    )
+    found = issues + reference_issues(whole)
     return (None, found) if found else (_with_whole_modules(config), [])
 
 

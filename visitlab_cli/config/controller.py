@@ -5,8 +5,10 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, WithJsonSchema
 
-PAPER, LEAD = "paper", "lead"
-ROUTE, MASK, PLAN = OPTIONS = ("route", "mask", "plan")
+from visitlab_cli.simulation.controller import LEAD, MASK, PLAN, ROUTE
+
+PAPER = "paper"
+OPTIONS = (ROUTE, MASK, PLAN)
 """What may be chosen one by one; `lead` implies all."""
 FARTHEST = 10
 """The largest appropriate distance that leading is planned for, in cells."""

@@ -9,6 +9,7 @@ from visitlab_cli.config.names import Module
 from visitlab_cli.config.phases import PHASES, Phase
 from visitlab_cli.settings import Settings
 from visitlab_cli.world.columns import ENGAGEMENT, MODULES
+from visitlab_cli.world.columns import PHASES as PHASES_PART
 from visitlab_cli.world.lab import Lab, paper_lab
 from visitlab_cli.world.tasks import TASKS, Task
 
@@ -48,7 +49,7 @@ class Experiment(Settings):
     @property
     def parts(self) -> tuple[str, ...]:
         """What its cells have beside what its task has, of `SOME_CELLS`."""
-        return (PHASES,) if self.phases else ()
+        return (PHASES_PART,) if self.phases else ()
 
     def going_on(self, task: Any, other: Any) -> Any:
         """The task with another human, `other`, in which what `task`, the first one, keeps for itself goes on."""

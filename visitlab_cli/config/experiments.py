@@ -6,7 +6,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 from pydantic import Field, ValidationInfo, field_validator
 
 from visitlab_cli.agents.base import AgentParameters, Saved, Setting
-from visitlab_cli.config.controller import FARTHEST, LEAD, PLAN, Controller, options_of
+from visitlab_cli.config.controller import Controller, options_of
 from visitlab_cli.config.experiment import Experiment, Site
 from visitlab_cli.config.goal_rooms import N_ROOMS, GoalRooms
 from visitlab_cli.config.names import Module, ModuleName, Names, module
@@ -14,7 +14,7 @@ from visitlab_cli.config.phases import SocialPhases, TrainingPhases, VisitPhases
 from visitlab_cli.errors import ConfigError
 from visitlab_cli.humans.base import Probability
 from visitlab_cli.settings import Settings, since
-from visitlab_cli.simulation.controller import make_planned
+from visitlab_cli.simulation.controller import LEAD, PLAN, make_planned
 from visitlab_cli.simulation.estimates import RECENT
 from visitlab_cli.simulation.visit import Visit as VisitTask
 from visitlab_cli.simulation.visit import make_visit
@@ -271,11 +271,9 @@ class Visit(Experiment):
         world = make_visit_world(site.human, self.goal_rooms, site.distances, site.lab)
         tables = site.tables[NAVIGATION], site.tables[GO_TO_HUMAN]
         controller = None
-        if LEAD in self.options and site.distances[-1] > FARTHEST:
-            raise ConfigError(
-                f"interaction.distances: leading is planned up to {FARTHEST} cells, not {site.distances[-1]}"
-            )
         if self.options:
+            if not site.models[NAVIGATION]:
+                raise ConfigError(f"{self.modules.navigation} has learned no model of moving; the controller needs one")
             told = (site.told.p_S, site.told.p_A) if self.told else None
             window = RECENT if len({phase.met for phase in self.phases}) > 1 else 0
             controller = make_planned(self.options, world, site.models[NAVIGATION], site.distances[-1], told, window)

@@ -4,12 +4,13 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from visitlab_cli.agents.base import AgentParameters
-from visitlab_cli.config.controller import MASK, PLAN
+from visitlab_cli.config.controller import FARTHEST
 from visitlab_cli.config.experiments import MODULE_TASKS, SocialTraining, Visit
 from visitlab_cli.config.names import module
 from visitlab_cli.config.phases import PHASES, wrong_phases
 from visitlab_cli.humans.base import HumanParameters
 from visitlab_cli.settings import key_of
+from visitlab_cli.simulation.controller import LEAD, MASK, PLAN
 from visitlab_cli.wording import or_else, printable
 from visitlab_cli.world.columns import ENGAGEMENT
 from visitlab_cli.world.tasks import SOCIAL, VISIT
@@ -23,6 +24,8 @@ class Declared(NamedTuple):
     agents: Mapping[str, AgentParameters | None]
     experiments: Mapping[str, Any]
     expected: Iterable[str] = ()
+    farthest: int = 0
+    """The largest of the distances of interaction, in cells, where they are right in themselves."""
 
 
 def issues(declared: Declared) -> list[Issue]:
@@ -142,10 +145,15 @@ def _controller(path: Path, visit: Visit, social: AgentParameters | None, declar
     if MASK in options and social is not None and not social.takes_masks:
         message = f"can't mask the social module's agent, which is of kind {_kind(social)}"
         yield Issue((*path, "controller"), message)
-    for index, human in enumerate(visit.humans if visit.told else ()):
+    if LEAD in options and declared.farthest > FARTHEST:
+        message = f"leading is planned up to {FARTHEST} cells, and interaction.distances go to {declared.farthest}"
+        yield Issue((*path, "controller"), message)
+    places: list[tuple[Path, str]] = [(("humans", index), human) for index, human in enumerate(visit.humans)]
+    places += [((PHASES, index, "human"), phase.met) for index, phase in enumerate(visit.phases)]
+    for place, human in places if visit.told else ():
         parameters = declared.humans.get(human)
         if parameters is not None and not (hasattr(parameters, "p_S") and hasattr(parameters, "p_A")):
-            yield Issue((*path, "humans", index), f"told: {human} has no p_S and p_A to tell")
+            yield Issue((*path, *place), f"told: {human} has no p_S and p_A to tell")
 
 
 def _module(task: str, text: str, declared: Declared) -> Iterator[str]:

@@ -22,6 +22,8 @@ from visitlab_cli.world.go_to_human import go_to_human_state
 from visitlab_cli.world.scene import Scene, with_wanted
 from visitlab_cli.world.visit import VisitWorld
 
+ROUTE, MASK, PLAN, LEAD = "route", "mask", "plan", "lead"
+"""What a controller may do otherwise than the paper's."""
 PLAN_EVERY = 10
 """Trials after which what has changed is planned with."""
 FIRST_SWEEPS, MORE_SWEEPS = 10, 8
@@ -69,14 +71,14 @@ def make_planned(
     """A controller that has not planned yet.
 
     Args:
-        options: of `route`, `mask`, `plan`, `lead`.
+        options: of `ROUTE`, `MASK`, `PLAN`, `LEAD`.
         world: of the visit; nothing is asked of its human.
         model: what navigation has learned, `visits` and `successor_*` over (states, 25).
         reach: the largest appropriate distance, in cells.
         told: the human's p_S and p_A, where they are not to be estimated.
         window: estimates are over so many of the last chances; 0 for all.
     """
-    leads = "lead" in options
+    leads = LEAD in options
     rooms = world.lab.rooms.ravel()
     known = make_successors(model, world.lab)
     # what does not lead has no use for the plan's tables
@@ -84,7 +86,7 @@ def make_planned(
     clock = np.zeros(4, np.int64)
     clock[HAS_MODEL] = len(model["successor_states"]) > 0
     estimates = make_estimates(window, told)
-    chosen = ("route" in options, "mask" in options, "plan" in options, leads)
+    chosen = (ROUTE in options, MASK in options, PLAN in options, leads)
     return Planned(*chosen, known, estimates, leading, rooms, world.lab.cols, clock)
 
 
