@@ -1,6 +1,5 @@
 """Python's way to play a task: `visitlab_cli.make_task`, by the same rules that a run is simulated with."""
 
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -9,17 +8,16 @@ import numpy as np
 import numpy.typing as npt
 
 from visitlab_cli.config.experiment import Site, lab_of
-from visitlab_cli.config.loading import load_text
-from visitlab_cli.errors import ConfigError, UsageError
+from visitlab_cli.config.one_task import one_task
+from visitlab_cli.errors import UsageError
 from visitlab_cli.random_numbers import RandomState, random_state
 from visitlab_cli.wording import or_else
 from visitlab_cli.world.columns import ENGAGEMENT
 from visitlab_cli.world.geometry import DISTANCES
 from visitlab_cli.world.scene import NOWHERE, Scene
-from visitlab_cli.world.task import TRAINING_TRIAL_STEPS, begin_trial, observe, step
+from visitlab_cli.world.task import begin_trial, observe, step
 from visitlab_cli.world.tasks import GO_TO_HUMAN, NAVIGATION, SOCIAL, TASKS, VISIT, Task
 
-HUMAN, AGENT, NAME = "met", "nobody", "task"
 SETTINGS = {
     NAVIGATION: ("trial_steps",),
     GO_TO_HUMAN: ("trial_steps", "success"),
@@ -97,51 +95,13 @@ def make_task(
     for name in settings:
         if name not in SETTINGS[task]:
             raise UsageError(f"{name}: no setting of {task}{or_else(name, SETTINGS[task])}")
-    config = _config(task, human, distances, settings)
-    made = config.experiments[task]
+    made, thresholds, met = one_task(task, settings, distances, human)
     lab = lab_of(made)
     asked = {name: tuple(TASKS[name].size(lab)) for name in made.steering}
     given = {name: np.ascontiguousarray(table, np.float64) for name, table in (tables or {}).items()}
     if {name: table.shape for name, table in given.items()} != asked:
         wanted = " and ".join(f"{name} of shape {shape}" for name, shape in asked.items())
         raise UsageError(f"tables: must have {wanted or 'nothing'} in {task}")
-    met = config.humans[HUMAN].create() if human is not None else None
     size = about.size(lab)
-    record = made.task_in(Site(lab, met, config.interaction.distances, given))
+    record = made.task_in(Site(lab, met and met.create(), thresholds, given))
     return PlayableTask(about, record, size.n_states, size.n_actions, made.trial_steps)
-
-
-def _config(task: str, human: Mapping[str, Any] | None, distances: Sequence[int], settings: Mapping[str, Any]) -> Any:
-    """The settings as a checked config, in which the task stands beside what it refers to."""
-    humans = {"humans": {HUMAN: dict(human)}} if human is not None else {}
-    trainings: dict[str, dict[str, Any]] = {
-        name: {"task": name, "agents": [AGENT]} for name in (NAVIGATION, GO_TO_HUMAN, SOCIAL)
-    }
-    trainings[SOCIAL] |= {"humans": [HUMAN]}
-    own = {"task": task, **settings}
-    if task == VISIT:
-        own |= {"modules": {name: f"{name}/{AGENT}" for name in trainings}, "humans": [HUMAN]}
-        experiments = {**trainings, task: own}
-    else:
-        experiments = {task: trainings[task] | {"steps": settings.get("trial_steps", TRAINING_TRIAL_STEPS)} | own}
-    config = {
-        "name": NAME,
-        "agents": {AGENT: {"kind": "random"}},
-        "experiments": experiments,
-        "interaction": {"distances": list(distances)},
-        **humans,
-    }
-    try:
-        return load_text(json.dumps(config), NAME)
-    except ConfigError as error:
-        told = [_in_words(problem) for problem in error.problems if not str(problem["path"]).endswith(".steps")]
-        raise UsageError(*dict.fromkeys(told)) from None
-    except (TypeError, ValueError) as error:
-        raise UsageError(f"settings must be plain values, as YAML has them: {error}") from error
-
-
-def _in_words(problem: Mapping[str, Any]) -> str:
-    """What is wrong with which argument."""
-    path = str(problem["path"] or "").split(".")
-    named = {"experiments": path[2:], "humans": ["human", *path[2:]], "interaction": path[1:]}.get(path[0], path)
-    return f"{'.'.join(named)}: {problem['message']}"

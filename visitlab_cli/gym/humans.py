@@ -10,13 +10,12 @@ from visitlab_cli.humans.base import HumanParameters
 from visitlab_cli.wording import or_else
 from visitlab_cli.yaml.files import read_content
 
-HUMAN = "human"
 HUMAN_2 = "human_2"
 """Whom the paper's visit is trained with."""
 SHIPPED = "humans/paper.yaml"
 
-Entry = str | Mapping[str, Any]
-"""A shipped human's name, or parameters as a config has them: `like` may name a shipped one, `kind` one of others."""
+Entry = Mapping[str, Any]
+"""Parameters as a config has them: `like` may name a shipped human, `kind` one of others."""
 
 
 def entry_and_record(given: Any) -> tuple[Entry, Any]:
@@ -29,14 +28,19 @@ def entry_and_record(given: Any) -> tuple[Entry, Any]:
         UsageError: it is none of these, or nobody is called so.
     """
     if isinstance(given, HumanParameters):
-        return HUMAN_2, given.create()
+        return like(HUMAN_2), given.create()
     if isinstance(given, tuple) and hasattr(given, "_fields"):
-        return HUMAN_2, given
+        return like(HUMAN_2), given
     if isinstance(given, str) and given not in shipped_humans():
         raise UsageError(f"human={given!r}: no shipped human is called so{or_else(given, list(shipped_humans()))}")
     if isinstance(given, str | Mapping):
-        return given, None
+        return (like(given) if isinstance(given, str) else given), None
     raise UsageError(f"human={given!r}: must be a name, parameters or a record")
+
+
+def like(name: str) -> Entry:
+    """The entry of who is as a shipped human."""
+    return {"like": name}
 
 
 @cache

@@ -1,18 +1,17 @@
 """What an environment plays: a task's record made of settings, which are checked as those of a config are."""
 
-import json
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from visitlab_cli.config.experiment import Experiment, Site
-from visitlab_cli.config.loading import load_text
-from visitlab_cli.errors import ConfigError, UsageError
+from visitlab_cli.config.experiment import Site
+from visitlab_cli.config.one_task import one_task
+from visitlab_cli.errors import UsageError
 from visitlab_cli.exact.models import go_to_human_mean_q
 from visitlab_cli.exact.navigation import navigation_optimal_q
-from visitlab_cli.gym.humans import HUMAN, HUMAN_2, entry_and_record, shipped_humans
+from visitlab_cli.gym.humans import HUMAN_2, entry_and_record, shipped_humans
 from visitlab_cli.world.geometry import DISTANCES
 from visitlab_cli.world.lab import Lab, paper_lab
 from visitlab_cli.world.social import ARENA, DIRECTION_CHANGE
@@ -21,23 +20,6 @@ from visitlab_cli.world.tasks import GO_TO_HUMAN, NAVIGATION, SOCIAL, TASKS, VIS
 
 GAMMA = 0.9
 """The discount of the modules that a visit has unless others are given."""
-AGENT = "chance"
-LENGTH = "steps"
-CONFIG: dict[str, Any] = {
-    "name": "environment",
-    "agents": {AGENT: {"kind": "random"}},
-    "experiments": {
-        NAVIGATION: {"task": NAVIGATION, "agents": [AGENT]},
-        GO_TO_HUMAN: {"task": GO_TO_HUMAN, "agents": [AGENT]},
-        SOCIAL: {"task": SOCIAL, "agents": [AGENT], "humans": [HUMAN]},
-        VISIT: {
-            "task": VISIT,
-            "modules": {task: f"{task}/{AGENT}" for task in (NAVIGATION, GO_TO_HUMAN, SOCIAL)},
-            "humans": [HUMAN],
-        },
-    },
-}
-"""A config that has every task, to which an environment's settings are added."""
 
 
 class Place(NamedTuple):
@@ -61,7 +43,7 @@ def navigation(*, trial_steps: int = TRAINING_TRIAL_STEPS, lab: Lab | None = Non
         UsageError: a setting is wrong.
     """
     lab = lab or paper_lab()
-    settings, _ = _checked(NAVIGATION, {"trial_steps": trial_steps}, DISTANCES)
+    settings, _, _ = one_task(NAVIGATION, {"trial_steps": trial_steps}, DISTANCES)
     return Place(TASKS[NAVIGATION], settings.task_in(Site(lab, None, DISTANCES, {})), lab, lab, DISTANCES)
 
 
@@ -78,7 +60,7 @@ def go_to_human(
         UsageError: a setting is wrong.
     """
     lab = lab or paper_lab()
-    settings, thresholds = _checked(GO_TO_HUMAN, {"trial_steps": trial_steps, "success": success}, distances)
+    settings, thresholds, _ = one_task(GO_TO_HUMAN, {"trial_steps": trial_steps, "success": success}, distances)
     return Place(TASKS[GO_TO_HUMAN], settings.task_in(Site(lab, None, thresholds, {})), lab, lab, thresholds)
 
 
@@ -97,8 +79,8 @@ def social(
     """
     entry, record = entry_and_record(human)
     wanted = {"trial_steps": trial_steps, "arena": arena, "direction_change": direction_change}
-    settings, thresholds, met = _checked_with(SOCIAL, wanted, distances, entry)
-    made = settings.task_in(Site(paper_lab(), met if record is None else record, thresholds, {}))
+    settings, thresholds, met = one_task(SOCIAL, wanted, distances, entry, shipped_humans())
+    made = settings.task_in(Site(paper_lab(), record or (met and met.create()), thresholds, {}))
     return Place(TASKS[SOCIAL], made, made.lab, paper_lab(), thresholds, arena)
 
 
@@ -122,11 +104,10 @@ def visit(
     lab = lab or paper_lab()
     entry, record = entry_and_record(human)
     rooms = goal_rooms if isinstance(goal_rooms, str) else [*goal_rooms]
-    settings, thresholds, met = _checked_with(
-        VISIT, {"trial_steps": trial_steps, "goal_rooms": rooms}, distances, entry
-    )
+    wanted = {"trial_steps": trial_steps, "goal_rooms": rooms}
+    settings, thresholds, met = one_task(VISIT, wanted, distances, entry, shipped_humans())
     tables = _tables(modules or {}, lab, thresholds)
-    made = settings.task_in(Site(lab, met if record is None else record, thresholds, tables))
+    made = settings.task_in(Site(lab, record or (met and met.create()), thresholds, tables))
     return Place(TASKS[VISIT], made, lab, lab, thresholds)
 
 
@@ -156,36 +137,3 @@ def _tables(
             exact = navigation_optimal_q(GAMMA, lab) if name == NAVIGATION else None
             tables[name] = go_to_human_mean_q(GAMMA, "facing", distances, lab) if exact is None else exact
     return tables
-
-
-def _checked(task: str, settings: Mapping[str, Any], distances: Sequence[int]) -> tuple[Experiment, tuple[int, ...]]:
-    return _checked_with(task, settings, distances, HUMAN_2)[:2]
-
-
-def _checked_with(
-    task: str, settings: Mapping[str, Any], distances: Sequence[int], human: str | Mapping[str, Any]
-) -> tuple[Experiment, tuple[int, ...], Any]:
-    """The task's settings as a config has them, the distances, and the human's record."""
-    own = {"like": human} if isinstance(human, str) else dict(human)
-    trial_steps = settings["trial_steps"]
-    length = {} if task == VISIT else {LENGTH: trial_steps}  # one trial, so that any number of steps will do
-    experiments = CONFIG["experiments"]
-    config = CONFIG | {
-        "humans": {**shipped_humans(), HUMAN: own},
-        "experiments": {**experiments, task: {**experiments[task], **settings, **length}},
-        "interaction": {"distances": list(distances)},
-    }
-    try:
-        checked = load_text(json.dumps(config), CONFIG["name"])
-    except ConfigError as error:
-        theirs = [problem for problem in error.problems if not str(problem["path"]).endswith(f".{LENGTH}")]
-        raise UsageError(*dict.fromkeys(map(_in_words, theirs))) from None
-    except (TypeError, ValueError) as error:
-        raise UsageError(f"settings must be plain values, as YAML has them: {error}") from None
-    return checked.experiments[task], checked.interaction.distances, checked.humans[HUMAN].create()
-
-
-def _in_words(problem: Mapping[str, Any]) -> str:
-    """What is wrong with which argument."""
-    path = str(problem["path"] or "").removeprefix("humans.").removeprefix("interaction.")
-    return f"{'.'.join(path.split('.')[2:]) if path.startswith('experiments.') else path}: {problem['message']}"

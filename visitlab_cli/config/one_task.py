@@ -1,0 +1,76 @@
+"""One task of plain values, checked as a config's experiment is: what those say who play it from Python."""
+
+import json
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+from visitlab_cli.config.experiment import Experiment
+from visitlab_cli.config.loading import load_text
+from visitlab_cli.errors import ConfigError, UsageError
+from visitlab_cli.humans.base import HumanParameters
+from visitlab_cli.world.columns import ENGAGEMENT
+from visitlab_cli.world.tasks import GO_TO_HUMAN, NAVIGATION, SOCIAL, TASKS, VISIT
+
+HUMAN, AGENT, NAME, LENGTH = "human", "nobody", "task", "steps"
+
+
+class OneTask(NamedTuple):
+    """The settings as a config has them, the four thresholds of distance in cells, the human where there is one."""
+
+    settings: Experiment
+    distances: tuple[int, ...]
+    human: HumanParameters | None
+
+
+def one_task(
+    task: str,
+    settings: Mapping[str, Any],
+    distances: Sequence[int],
+    human: Mapping[str, Any] | None = None,
+    others: Mapping[str, Any] | None = None,
+) -> OneTask:
+    """Check the settings of a task, those left out being the defaults.
+
+    Args:
+        task: its name.
+        settings: of its experiment, but for who plays, whom it meets and how long.
+        distances: the four thresholds of distance, in cells.
+        human: whom the robot meets, as an entry of a config; in social and visit there must be one.
+        others: humans, as entries by name, that this one may be like.
+
+    Raises:
+        UsageError: a setting is unknown or wrong; a line for each, without the places of a config.
+    """
+    experiments: dict[str, dict[str, Any]] = {
+        name: {"task": name, "agents": [AGENT]} for name in (NAVIGATION, GO_TO_HUMAN, SOCIAL)
+    }
+    experiments[SOCIAL] |= {"humans": [HUMAN]}
+    if task == VISIT:
+        modules = {name: f"{name}/{AGENT}" for name in experiments}
+        experiments[VISIT] = {"task": VISIT, "modules": modules, "humans": [HUMAN], **settings}
+    else:  # one trial, so that any number of steps will do
+        length = {LENGTH: settings["trial_steps"]} if "trial_steps" in settings else {}
+        experiments = {task: {**experiments[task], **settings, **length}}
+    config = {
+        "name": NAME,
+        "agents": {AGENT: {"kind": "random"}},
+        "humans": {**(others or {}), **({} if human is None else {HUMAN: dict(human)})},
+        "experiments": experiments,
+        "interaction": {"distances": list(distances)},
+    }
+    try:
+        checked = load_text(json.dumps(config), NAME)
+    except ConfigError as error:
+        told = [problem for problem in error.problems if not str(problem["path"]).endswith(f".{LENGTH}")]
+        raise UsageError(*dict.fromkeys(map(_in_words, told))) from None
+    except (TypeError, ValueError) as error:
+        raise UsageError(f"settings must be plain values, as YAML has them: {error}") from None
+    met = checked.humans[HUMAN] if TASKS[task].has(ENGAGEMENT) else None
+    return OneTask(checked.experiments[task], checked.interaction.distances, met)
+
+
+def _in_words(problem: Mapping[str, Any]) -> str:
+    """What is wrong with which argument."""
+    path = str(problem["path"] or "").split(".")
+    named = {"experiments": path[2:], "humans": path[1:], "interaction": path[1:]}.get(path[0], path)
+    return f"{'.'.join(named)}: {problem['message']}"
