@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 from tests.results.runs_by_hand import open_lab
+from visitlab_cli.console.options import FIRST_TRIALS
 from visitlab_cli.execution.cell_runner import facts_of
+from visitlab_cli.results import phases
 from visitlab_cli.results.phases import phase_results
 from visitlab_cli.storage.arrays import write_trials
 from visitlab_cli.storage.cell_folder import TRIALS, NewCell
@@ -64,3 +66,7 @@ def test_the_row_of_a_data_frame_is_flat(found):
     row = found[2].as_row()
     assert (row["phase"], row["human"], row["again"], row["rest"], row["rest_low"]) == (2, "slow", 2.0, None, None)
     assert row["again_low"] < row["again"] < row["again_high"]
+
+
+def test_the_commands_and_python_mean_the_same_first_trials():
+    assert FIRST_TRIALS == phases.FIRST

@@ -11,7 +11,7 @@ import typer
 
 from visitlab_cli.console import completion
 from visitlab_cli.console.help import Help
-from visitlab_cli.console.options import RUNS, First, Json, Out, Run
+from visitlab_cli.console.options import FIRST_TRIALS, RUNS, First, Json, Out, Run
 from visitlab_cli.console.words import aligned
 from visitlab_cli.terminal import tell, tell_json, tell_text
 
@@ -53,7 +53,7 @@ def command(
     variant: Annotated[
         list[str] | None, typer.Option(help="Look for causes in this run, too; may be repeated.", metavar="RUN")
     ] = None,
-    first: First = 20,
+    first: First = FIRST_TRIALS,
     margin: Annotated[float, typer.Option(min=0, help="How far, in reward a trial, is still the same.")] = 0.5,
     page: Annotated[
         Path | None,

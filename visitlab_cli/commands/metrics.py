@@ -2,7 +2,7 @@
 
 from visitlab_cli.console.help import Help
 from visitlab_cli.console.metrics import metrics_table
-from visitlab_cli.console.options import RUNS, Agent, At, Experiment, First, Human, Json, Out, Run, Seed
+from visitlab_cli.console.options import FIRST_TRIALS, RUNS, Agent, At, Experiment, First, Human, Json, Out, Run, Seed
 from visitlab_cli.terminal import tell_json, tell_text
 
 HELP = Help(
@@ -22,7 +22,7 @@ def command(
     agent: Agent = "",
     seed: Seed = None,
     at: At = None,
-    first: First = 20,
+    first: First = FIRST_TRIALS,
     out: Out = RUNS,
     as_json: Json = False,
 ) -> None:

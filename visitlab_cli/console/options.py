@@ -76,6 +76,8 @@ TrialWord = Annotated[
         autocompletion=completion.words("best", "worst", "median", "longest-engagement"),
     ),
 ]
+FIRST_TRIALS = 20
+"""As `results.phases.FIRST`, which would take long to import."""
 First = Annotated[
     int, typer.Option("--first", min=1, max=10**9, help="With phases: how many trials are the first ones of each.")
 ]

@@ -32,6 +32,10 @@ TOPICS = {"/robot/pose": POSE, "/human/pose": POSE, "/map": GRID, "/lab": MARKER
 _KEPT = ("/map", "/lab")
 _BAG_VERSION: Literal[8] = 8
 """What ROS 2 Humble, of 2022, reads as well as its successors."""
+_FOR_EVER = (9223372036, 854775807)
+"""Seconds and nanoseconds by which ROS 2 says that there is no limit: its longest duration, 2**63 - 1 ns."""
+_RECENT = 10
+"""Messages that a subscriber may lag behind."""
 
 
 class _Sent(NamedTuple):
@@ -88,10 +92,10 @@ def _qos(kept: bool) -> Any:
     """Reliable; where `kept`, who subscribes later gets the last message, too."""
     from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
 
-    ever = QosTime(9223372036, 854775807)
+    ever = QosTime(*_FOR_EVER)
     return Qos(
         QosHistory.KEEP_LAST,
-        1 if kept else 10,
+        1 if kept else _RECENT,
         QosReliability.RELIABLE,
         QosDurability.TRANSIENT_LOCAL if kept else QosDurability.VOLATILE,
         ever,

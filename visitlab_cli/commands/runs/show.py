@@ -8,7 +8,7 @@ import typer
 
 from visitlab_cli.console.help import Help
 from visitlab_cli.console.metrics import metrics_table
-from visitlab_cli.console.options import RUNS, First, Json, Out, Run
+from visitlab_cli.console.options import FIRST_TRIALS, RUNS, First, Json, Out, Run
 from visitlab_cli.console.phases import table_and_notes
 from visitlab_cli.console.words import age_in_words, aligned, number, run_again, size_in_words
 from visitlab_cli.terminal import plain, tell, tell_json, tell_text
@@ -34,7 +34,7 @@ def command(
     level: Annotated[
         float, typer.Option(min=0, max=1, help="The part of the final value that counts as learned.")
     ] = 0.9,
-    first: First = 20,
+    first: First = FIRST_TRIALS,
     metrics: Annotated[
         bool, typer.Option("--metrics", help="Also what the interactions were like, as visitlab metrics tells.")
     ] = False,
