@@ -19,7 +19,7 @@ SMALL = [f"experiments.{name}.steps=2000" for name in ("navigation", "go_to_huma
 SMALL += ["experiments.visit.trials=2", "seeds=1"]
 
 
-@pytest.fixture(scope="module", params=KINDS)
+@pytest.fixture(scope="module", params=["visitlab-sarsa", pytest.param("visitlab-more", marks=pytest.mark.slow)])
 def example(request, tmp_path_factory):
     """An example's name and the environment in which it is installed."""
     return request.param, installed(EXAMPLES / request.param, tmp_path_factory.mktemp("packages"))

@@ -58,6 +58,7 @@ def drawn(run, folder, environment, before=()):
     return files[0].read_bytes(), files[1].stat().st_size // 10_000
 
 
+@pytest.mark.slow
 def test_pictures_are_the_same_whatever_the_surroundings_say(tiny_run, tmp_path):
     home = tmp_path / "home"
     (home / ".config" / "matplotlib").mkdir(parents=True)

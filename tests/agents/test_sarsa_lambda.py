@@ -73,6 +73,7 @@ def test_it_is_what_a_second_computation_without_traces_has():
     assert (agent.following[0], agent.traces.any()) == (-1, False)  # it ends with a trial's end
 
 
+@pytest.mark.slow
 def test_without_chance_it_comes_to_the_closed_form_of_the_policy_that_it_settles_on():
     """V = R + gamma P V; not the optimum: with epsilon 0 it may go back and forth at the right end."""
     agent, _ = played(60_000, epsilon=0.0, alpha=0.25)

@@ -110,6 +110,7 @@ def program(tmp_path):
     return Clone(tmp_path, {"agents/twin.py": KIND})
 
 
+@pytest.mark.slow
 def test_it_trains_goes_on_steers_a_visit_and_is_verified_drawn_and_exported(program, tmp_path):
     done = program("run", "twins.yaml", "--workers", 1)
     assert done.returncode == 0, done.stderr

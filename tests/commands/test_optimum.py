@@ -2,9 +2,12 @@
 
 import json
 
+import pytest
+
 from tests.program import visitlab
 
 
+@pytest.mark.slow
 def test_optimum_prints_the_three_trainings():
     done = visitlab("optimum")
     assert done.returncode == 0, done.stderr

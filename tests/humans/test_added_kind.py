@@ -98,6 +98,7 @@ def memory(program, run, human):
     return [row["human_memory"] for row in rows] if "human_memory" in rows[0] else None
 
 
+@pytest.mark.slow
 def test_it_is_trained_visited_recorded_and_replayed_by_its_memory(program, tmp_path):
     done = program("run", "timed.yaml", "--workers", 2)
     assert done.returncode == 0, done.stderr

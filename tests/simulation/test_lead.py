@@ -84,6 +84,7 @@ def test_the_vehicle_is_value_iteration_with_the_humans_speeds():
             np.testing.assert_allclose(values[goal, :, direction], worth, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_the_robot_goes_where_the_plan_sends_it_and_does_not_explore():
     log = played(visit_in(two_rooms(), *LEAD), 40)
     leads = np.flatnonzero(log["plan_leads"])

@@ -5,6 +5,7 @@ clipped one cell beyond where an engaged human may be found (12 cells in the pap
 and what it leads to depends on no offset. An agent on the task's 2,560 states knows less.
 """
 
+from collections import deque
 from collections.abc import Sequence
 from functools import cache, lru_cache
 
@@ -90,7 +91,7 @@ def _value(
         model = model_of(human, direction_change, distances)
         if which == RANDOM:
             return mean_over_starts(model, Induction(direction_blind(model)).random(steps), arena)
-        *_, (values, _) = Induction(model).optimal(steps)
+        (values, _) = deque(Induction(model).optimal(steps), maxlen=1).pop()
         return mean_over_starts(model, values, arena)
 
     numbers = tuple(human.create())
