@@ -19,14 +19,22 @@ class Place:
     def __str__(self) -> str:
         return f"{self.source}:{self.line}:{self.column}" if self.line else self.source
 
+    def further(self, lines: int, columns: int) -> "Place":
+        """The place so many lines and columns further on."""
+        return Place(self.source, self.line + lines, self.column + columns)
+
 
 @dataclass(frozen=True, slots=True)
 class Node:
-    """A value (a dict and a list hold nodes), where it stands, and where its key does if it has one."""
+    """A value (a dict and a list hold nodes), where it stands, and where its key does if it has one.
+
+    `text` is where a text of several lines begins, if each of them stands on a line of its own.
+    """
 
     value: Plain
     place: Place
     key: Place | None = None
+    text: Place | None = None
 
     def plain(self) -> Plain:
         """The value without its places."""

@@ -16,11 +16,15 @@ Path = tuple[str | int, ...]
 
 @dataclass(frozen=True, slots=True)
 class Issue:
-    """Something wrong at a path of the config; `at` says what to point at."""
+    """Something wrong at a path of the config; `at` says what to point at.
+
+    In a text of several lines `within` is the line and column of it, from 1.
+    """
 
     path: Path
     message: str
     at: Literal["value", "key"] = "value"
+    within: tuple[int, int] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,6 +50,11 @@ def positioned(document: Node, issue: Issue) -> Problem:
     """Where an issue stands: its value or key; its parent's key if it is missing itself."""
     node, found = document.nearest(issue.path)
     at_key = issue.at == "key" or not found
+    if found and issue.within is not None:
+        line, column = issue.within
+        if node.text is not None:
+            return Problem(node.text.further(line - 1, column - 1), issue.path, issue.message)
+        return Problem(node.place, issue.path, f"line {line}, column {column} of it: {issue.message}")
     return Problem(node.key if at_key and node.key else node.place, issue.path, issue.message)
 
 

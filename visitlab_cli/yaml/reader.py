@@ -97,7 +97,7 @@ def _in_our_words(error: yaml.MarkedYAMLError, mark: Any, text: str) -> str:
 
 class _Reader:
     def __init__(self, text: str, source: str, lines: bool) -> None:
-        self.source, self.lines = source, lines
+        self.source, self.lines, self.rows = source, lines, _lines(text)
         self.events: Iterator[Any] = iter(yaml.parse(text, Loader=_Loader))
         self.problems: list[Problem] = []
         self.values = 0
@@ -135,7 +135,17 @@ class _Reader:
             return Node(self.mapping(depth), place, key)
         if isinstance(event, yaml.SequenceStartEvent):
             return Node(self.sequence(depth), place, key)
-        return Node(self.scalar(event), place, key)
+        return Node(self.scalar(event), place, key, self.block(event))
+
+    def block(self, event: Any) -> Place | None:
+        """Where the first line of a text begins that is written below its key, after `|`."""
+        if event.style != "|" or not self.lines:
+            return None
+        line = event.start_mark.line + 1
+        while line + 1 < len(self.rows) and not self.rows[line].strip():
+            line += 1
+        first = self.rows[line] if line < len(self.rows) else ""
+        return Place(self.source, line + 1, len(first) - len(first.lstrip(" ")) + 1)
 
     def scalar(self, event: Any) -> Any:
         if not event.implicit[0]:
