@@ -53,11 +53,11 @@ def scenes(n):
         row, col = (int(each) for each in SIDE // 2 + random.integers(-7, 8, 2))
         robot = Body(row, col, int(random.integers(8)))
         human = Body(SIDE // 2, SIDE // 2, int(random.integers(8)))
-        scene = first_scene(task.geometry, NOWHERE, robot, human)
+        scene = first_scene(task.lab, task.geometry, NOWHERE, robot, human)
         scene = scene._replace(
             engagement=int(random.integers(4)), desired_direction=int(random.integers(8)), goal_room=0
         )
-        yield task, related(task.geometry, scene)
+        yield task, related(task.lab, task.geometry, scene)
 
 
 def by_the_oracle(scene, action, direction_change):

@@ -70,8 +70,12 @@ def test_two_steps_are_worth_what_the_whole_tree_says(calm, start):
     task = make_social(CALM.create(), arena=SIDE, direction_change=0.0)
     row, col, robot, human, engagement, desired = start
     middle = SIDE // 2
-    scene = first_scene(task.geometry, NOWHERE, Body(middle + row, middle + col, robot), Body(middle, middle, human))
-    scene = related(task.geometry, scene._replace(engagement=int(engagement), desired_direction=desired, goal_room=0))
+    scene = first_scene(
+        task.lab, task.geometry, NOWHERE, Body(middle + row, middle + col, robot), Body(middle, middle, human)
+    )
+    scene = related(
+        task.lab, task.geometry, scene._replace(engagement=int(engagement), desired_direction=desired, goal_room=0)
+    )
     *_, (values, _) = Induction(calm).optimal(2)
     assert values[place_of(calm, scene)] == pytest.approx(tree(task, scene, 2, max, {}), abs=1e-12)
     chance = Induction(calm).random(2)

@@ -136,7 +136,7 @@ def _levels_in_vision(human: SixParameters, distances: Sequence[int]) -> Table:
                 looking = reaction(body.row, body.col, human_heading, *nothing)
                 for robot_heading in range(N_DIRECTIONS):
                     at = next_scene(
-                        geometry, scene, Body(robot.row, robot.col, robot_heading), Action.NO_ACTION.value, looking
+                        lab, geometry, scene, Body(robot.row, robot.col, robot_heading), Action.NO_ACTION.value, looking
                     )
                     found[before, at.interaction_level] += chance * gaze / N_DIRECTIONS
     return found

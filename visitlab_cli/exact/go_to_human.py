@@ -2,11 +2,12 @@
 
 The human stands still and moves are certain. The robot's heading changes neither its moves nor the reward, so
 robot cell, human cell and human heading are the full state: 576 x 576 x 8 in the paper's lab. An agent on the task's
-320 states knows less; what it reaches is below this optimum.
+320 states knows less; what it reaches is below this optimum. Where there are walls nothing is rewarded through them.
 """
 
 from collections.abc import Callable, Sequence
 from functools import cache
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -16,8 +17,9 @@ from visitlab_cli.random_numbers import random_state
 from visitlab_cli.world.enums import N_DIRECTIONS, N_PHYSICAL_ACTIONS, Action
 from visitlab_cli.world.geometry import DISTANCES
 from visitlab_cli.world.go_to_human import GoToHuman, make_go_to_human, step
-from visitlab_cli.world.lab import Lab, paper_lab
+from visitlab_cli.world.lab import Lab, make_lab, paper_lab, starts_of
 from visitlab_cli.world.scene import NOWHERE, Body, Scene, first_scene
+from visitlab_cli.world.sight import Walls
 
 
 @cache
@@ -35,7 +37,12 @@ def go_to_human_motion(success: str = "facing", distances: Sequence[int] = DISTA
         for action in range(N_PHYSICAL_ACTIONS):
             moved, _, _ = step(task, scene, action, unused)
             after[cell, action] = moved.robot_row * lab.cols + moved.robot_col
-    reward = by_offset(lab, lambda robot, human: step(task, scene_of(task, robot, human), Action.STAY.value, unused)[1])
+    unwalled = make_go_to_human(success=success, distances=distances, lab=make_lab(lab.rows, lab.cols))
+    reward = by_offset(
+        lab, lambda robot, human: step(unwalled, scene_of(unwalled, robot, human), Action.STAY.value, unused)[1]
+    )
+    if isinstance(lab.walls, Walls):
+        reward *= np.repeat(lab.walls.visible, N_DIRECTIONS, axis=1)
     return Motion(after, reward.astype(np.uint8))
 
 
@@ -60,15 +67,15 @@ def by_offset(lab: Lab, value: Callable[[Body, Body], float]) -> npt.NDArray[np.
 
 def scene_of(task: GoToHuman, robot: Body, human: Body) -> Scene:
     """How a trial with these two begins."""
-    return first_scene(task.geometry, NOWHERE, robot, human)
+    return first_scene(task.lab, task.geometry, NOWHERE, robot, human)
 
 
 @cache
 def go_to_human_optimum(
     trial_steps: int, success: str = "facing", distances: Sequence[int] = DISTANCES, lab: Lab | None = None
 ) -> float:
-    """The largest expected sum of rewards in a trial; all cells and headings are uniform."""
-    return float(optimal_sums(go_to_human_motion(success, distances, lab), trial_steps).mean())
+    """The largest expected sum of rewards in a trial; it begins as the task's trials do."""
+    return _mean(optimal_sums(_with_humans(success, distances, lab), trial_steps), lab)
 
 
 @cache
@@ -76,4 +83,16 @@ def go_to_human_random(
     trial_steps: int, success: str = "facing", distances: Sequence[int] = DISTANCES, lab: Lab | None = None
 ) -> float:
     """The expected sum of rewards of uniformly random actions in a trial."""
-    return float(random_sums(go_to_human_motion(success, distances, lab), trial_steps).mean())
+    return _mean(random_sums(_with_humans(success, distances, lab), trial_steps), lab)
+
+
+def _with_humans(success: str, distances: Sequence[int], lab: Lab | None) -> Motion:
+    """The motion with the humans that a trial may begin with."""
+    motion, starts = go_to_human_motion(success, distances, lab), starts_of(lab or paper_lab())
+    humans = (starts[:, None] * N_DIRECTIONS + np.arange(N_DIRECTIONS)).ravel()
+    return motion if len(humans) == motion.reward.shape[1] else motion._replace(reward=motion.reward[:, humans])
+
+
+def _mean(values: npt.NDArray[Any], lab: Lab | None) -> float:
+    """Over the cells in which the robot may begin."""
+    return float(values[starts_of(lab or paper_lab())].mean())

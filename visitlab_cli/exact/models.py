@@ -14,10 +14,11 @@ import numpy.typing as npt
 from visitlab_cli.exact.go_to_human import by_offset, go_to_human_motion, scene_of
 from visitlab_cli.exact.motion import PRECISION, Table
 from visitlab_cli.exact.navigation import navigation_motion
-from visitlab_cli.world.enums import N_PHYSICAL_ACTIONS
-from visitlab_cli.world.geometry import DISTANCES
-from visitlab_cli.world.go_to_human import go_to_human_state, make_go_to_human
-from visitlab_cli.world.lab import Lab, paper_lab
+from visitlab_cli.world.enums import N_DIRECTIONS, N_PHYSICAL_ACTIONS
+from visitlab_cli.world.geometry import DISTANCES, TOO_FAR
+from visitlab_cli.world.go_to_human import GoToHuman, go_to_human_state, make_go_to_human
+from visitlab_cli.world.lab import Lab, make_lab, paper_lab, starts_of
+from visitlab_cli.world.sight import Walls
 from visitlab_cli.world.tasks import GO_TO_HUMAN, TASKS
 
 Number = TypeVar("Number", np.int64, np.float64)
@@ -51,21 +52,36 @@ def navigation_model(lab: Lab | None = None) -> Known:
 def go_to_human_model(
     success: str = "facing", distances: Sequence[int] = DISTANCES, lab: Lab | None = None
 ) -> Expected:
-    """Of `go_to_human` in `lab`, the paper's unless given, on its 320 states."""
+    """Of `go_to_human` in `lab`, the paper's unless given, on its 320 states; what is behind a wall is too far."""
     lab = lab or paper_lab()
     motion = go_to_human_motion(success, distances, lab)
     task, size = make_go_to_human(success=success, distances=distances, lab=lab), TASKS[GO_TO_HUMAN].size(lab)
-    states = by_offset(lab, lambda robot, human: go_to_human_state(scene_of(task, robot, human)))  # (cells, humans)
+    states = _states(task, lab)
     P = np.zeros((size.n_states, size.n_actions, size.n_states))
     R = np.zeros((size.n_states, size.n_actions))
-    often = np.bincount(states.ravel(), minlength=size.n_states)
+    starts = starts_of(lab)
+    humans = (starts[:, None] * N_DIRECTIONS + np.arange(N_DIRECTIONS)).ravel()
+    begun = states[np.ix_(starts, humans)].ravel()
+    often = np.bincount(begun, minlength=size.n_states)
     for action in range(N_PHYSICAL_ACTIONS):
-        ends = motion.after[:, action]
-        pairs = states * size.n_states + states[ends]
-        P[:, action] = np.bincount(pairs.ravel(), minlength=size.n_states**2).reshape(size.n_states, -1)
-        R[:, action] = np.bincount(states.ravel(), motion.reward[ends].ravel(), size.n_states)
+        ends = np.ix_(motion.after[starts, action], humans)
+        pairs = begun * size.n_states + states[ends].ravel()
+        P[:, action] = np.bincount(pairs, minlength=size.n_states**2).reshape(size.n_states, -1)
+        R[:, action] = np.bincount(begun, motion.reward[ends].ravel(), size.n_states)
     seen = np.maximum(often, 1)  # in a small lab some states never come about: nothing follows
     return Expected(_shared(P / seen[:, None, None]), _shared(R / seen[:, None]))
+
+
+def _states(task: GoToHuman, lab: Lab) -> npt.NDArray[np.int64]:
+    """The state of each robot and human: shape (cells, humans), a human being its cell times 8 plus its heading."""
+    unwalled = task._replace(lab=make_lab(lab.rows, lab.cols))
+    seen = by_offset(lab, lambda robot, human: go_to_human_state(scene_of(unwalled, robot, human)))
+    if not isinstance(lab.walls, Walls):
+        return seen
+    hidden = by_offset(
+        lab, lambda robot, human: go_to_human_state(scene_of(unwalled, robot, human)._replace(distance=TOO_FAR))
+    )
+    return np.where(np.repeat(lab.walls.visible, N_DIRECTIONS, axis=1), seen, hidden)
 
 
 @cache

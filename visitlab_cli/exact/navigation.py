@@ -17,14 +17,14 @@ from visitlab_cli.exact.motion import (
 )
 from visitlab_cli.random_numbers import random_state
 from visitlab_cli.world.enums import N_PHYSICAL_ACTIONS, Action
-from visitlab_cli.world.lab import Lab, paper_lab
+from visitlab_cli.world.lab import Lab, goals_of, paper_lab, starts_of
 from visitlab_cli.world.navigation import make_navigation, step
 from visitlab_cli.world.scene import NOWHERE
 
 
 @cache
 def navigation_motion(lab: Lab | None = None) -> Motion:
-    """`after` (cells, 25 actions) and `reward` (cells, goal rooms) of the task in `lab`, the paper's unless given."""
+    """`after` (cells, 25 actions) and `reward` (cells, rooms) of the task in `lab`, the paper's unless given."""
     lab = lab or paper_lab()
     task, unused = make_navigation(lab=lab), random_state(0)
     cells = lab.rows * lab.cols
@@ -43,14 +43,22 @@ def navigation_motion(lab: Lab | None = None) -> Motion:
 
 @cache
 def navigation_optimum(trial_steps: int, lab: Lab | None = None) -> float:
-    """The largest expected sum of rewards in a trial; cell and goal room are uniform."""
-    return float(optimal_sums(navigation_motion(lab), trial_steps).mean())
+    """The largest expected sum of rewards in a trial; it begins as the task's trials do."""
+    lab = lab or paper_lab()
+    return float(optimal_sums(_to_goals(lab), trial_steps)[starts_of(lab)].mean())
 
 
 @cache
 def navigation_random(trial_steps: int, lab: Lab | None = None) -> float:
     """The expected sum of rewards of uniformly random actions in a trial."""
-    return float(random_sums(navigation_motion(lab), trial_steps).mean())
+    lab = lab or paper_lab()
+    return float(random_sums(_to_goals(lab), trial_steps)[starts_of(lab)].mean())
+
+
+def _to_goals(lab: Lab) -> Motion:
+    """The motion of a lab, rewarded in the rooms that may be goals."""
+    motion = navigation_motion(lab)
+    return motion._replace(reward=motion.reward[:, list(goals_of(lab))])
 
 
 @cache

@@ -79,8 +79,10 @@ class _Floor(NamedTuple):
     def scene(self, row: int, col: int, robot_heading: int, human_heading: int, engagement: int = 0) -> Scene:
         """The robot at an offset from the human."""
         robot = Body(self.middle + row, self.middle + col, robot_heading)
-        first = first_scene(self.task.geometry, NOWHERE, robot, Body(self.middle, self.middle, human_heading))
-        return related(self.task.geometry, first._replace(engagement=engagement, desired_direction=0, goal_room=0))
+        human = Body(self.middle, self.middle, human_heading)
+        first = first_scene(self.task.lab, self.task.geometry, NOWHERE, robot, human)
+        aimed = first._replace(engagement=engagement, desired_direction=0, goal_room=0)
+        return related(self.task.lab, self.task.geometry, aimed)
 
 
 def social_model(human: Human, distances: tuple[int, ...], reach: int, direction_change: float) -> SocialModel:

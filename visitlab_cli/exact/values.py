@@ -49,7 +49,7 @@ class ExactValue(NamedTuple):
 def possible(
     settings: Experiment, distances: tuple[int, ...] = DISTANCES, human: HumanParameters | None = None
 ) -> Possible | None:
-    """What a trial of an experiment can bring; None where its exact values are not known.
+    """What a trial of an experiment can bring; None where that is not known, or it takes place in several labs.
 
     Args:
         settings: of the experiment.
@@ -57,6 +57,8 @@ def possible(
         human: who is met, if anybody is.
     """
     lab, steps = lab_of(settings), settings.trial_steps
+    if len(set(settings.labs)) > 1:
+        return None
     if settings.task == NAVIGATION:
         return Possible(navigation_optimum(steps, lab), navigation_random(steps, lab))
     if settings.task == GO_TO_HUMAN:

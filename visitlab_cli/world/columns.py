@@ -14,8 +14,9 @@ from visitlab_cli.world.enums import DISTANCE_NAMES, Action, Direction, Interact
 
 ALWAYS, HUMAN, ENGAGEMENT, GOAL, MODULES = "always", "human", "engagement", "goal", "modules"
 """What there may be in a task, and so what its log has columns for."""
-PHASES, PLAN, MEMORY = SOME_CELLS = ("phases", "plan", "memory")
-"""What a cell may have beside what its task has: phases, a controller that plans where to lead, a human who remembers.
+PHASES, PLAN, MEMORY, DOORS = SOME_CELLS = ("phases", "plan", "memory", "doors")
+"""What a cell may have beside what its task has: phases, a controller that plans where to lead, a human who remembers,
+doors that are opened and shut between trials.
 
 The log of a cell without them does not know of their columns.
 """
@@ -88,6 +89,14 @@ class StepColumns(NamedTuple):
     ]
     wanted_human_col: Annotated[Uint32s, Column(FIXED32, PLAN, "column that the human should follow it to")]
     human_memory: Annotated[Int64s, Column(SFIXED64, MEMORY, "what the human remembers, 0 at a trial's start")]
+    open_doors: Annotated[
+        Int64s,
+        Column(
+            SFIXED64,
+            DOORS,
+            "which of the phase's doors are open in the trial, bit i for the i-th from 0; -1 where it has none",
+        ),
+    ]
 
 
 def _columns() -> tuple[Column, ...]:

@@ -15,6 +15,8 @@ from visitlab_cli.world.enums import N_DIRECTIONS, InteractionLevel
 DISTANCES = (1, 2, 4, 5)
 """Largest Chebyshev distances, in cells, of the categories 0 to 3."""
 CLOSEST_APPROPRIATE, FARTHEST_APPROPRIATE = 1, 3
+TOO_FAR = 4
+"""The category of what is farther, and of who is behind a wall."""
 HUNDREDTHS = 100
 CIRCLE = N_DIRECTIONS * HUNDREDTHS
 BEHIND = CIRCLE // 2

@@ -12,7 +12,7 @@ from visitlab_cli.world.enums import (
 from visitlab_cli.world.geometry import DISTANCES, Geometry, is_appropriate, make_geometry
 from visitlab_cli.world.lab import Lab, paper_lab
 from visitlab_cli.world.robot import acted
-from visitlab_cli.world.scene import Scene, acted_scene, first_scene, random_body, related, with_aims
+from visitlab_cli.world.scene import Scene, acted_scene, before_trial, first_scene, random_body, related, with_aims
 from visitlab_cli.world.task import BEGIN_TRIAL, OBSERVE, STEP, TRAINING_TRIAL_STEPS
 
 
@@ -54,15 +54,16 @@ def is_success(scene: Scene, seen_is_enough: bool) -> bool:
 @BEGIN_TRIAL.of(GoToHuman)
 def begin_trial(task: GoToHuman, last: Scene, random: RandomState) -> Scene:
     """All cells and headings random."""
+    last = before_trial(task.lab, last, random)
     robot = random_body(task.lab, random)
     human = random_body(task.lab, random)
-    return with_aims(first_scene(task.geometry, last, robot, human), 0, 0)
+    return with_aims(first_scene(task.lab, task.geometry, last, robot, human), 0, 0)
 
 
 @STEP.of(GoToHuman)
 def step(task: GoToHuman, scene: Scene, action: int, random: RandomState) -> tuple[Scene, float, float]:
     """A reward of 1 where the step ends in success."""
-    after = related(task.geometry, acted_scene(scene, acted(task.lab, scene, action), action))
+    after = related(task.lab, task.geometry, acted_scene(scene, acted(task.lab, scene, action), action))
     reward = 1.0 if is_success(after, task.seen_is_enough) else 0.0
     return after, reward, reward
 

@@ -5,7 +5,7 @@ after the other; that one table holds the borders, the walls and the rule for di
 walls back: `doors` says which doors a unit step needs open, one bit a door, and a scene says which ones are.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from functools import cache
 from typing import NamedTuple
 
@@ -13,33 +13,18 @@ import numpy as np
 import numpy.typing as npt
 
 from visitlab_cli.compiled import Operation, kernel
-from visitlab_cli.world.enums import MAX_SPEED, N_DIRECTIONS
-
-Cell = tuple[int, int]
-Wall = tuple[Cell, Cell]
-"""Between two straight neighbours."""
+from visitlab_cli.random_numbers import RandomState, happens, random_below
+from visitlab_cli.world.enums import N_DIRECTIONS, Direction
+from visitlab_cli.world.sight import Doors, NoDoors, NoWalls, Walls, doors_between, in_sight, visible_pairs
+from visitlab_cli.world.walls import COL_STEPS as COL_STEPS
+from visitlab_cli.world.walls import ROW_STEPS as ROW_STEPS
+from visitlab_cli.world.walls import Cell, Pair, crossing, inside, reach_of
 
 ALL_OPEN = -1
 """The doors of a scene in which none is shut: every bit set."""
-MOST_DOORS = 64
-
-ROW_STEPS = np.array([0, -1, -1, -1, 0, 1, 1, 1])
-"""Rows that a unit step in each direction goes, shape (8,)."""
-COL_STEPS = np.array([1, 1, 0, -1, -1, -1, 0, 1])
-"""Columns that a unit step in each direction goes, shape (8,)."""
-
-
-class NoDoors(NamedTuple):
-    """The doors of a lab without any, a type of its own: where there are none, nothing is compiled that looks."""
-
-    number: int = 0
-
-
-class Doors(NamedTuple):
-    """Doors that can be shut: which of them a unit step needs open, bit i for door i, shape (rows, cols, 8)."""
-
-    number: int
-    needed: npt.NDArray[np.int64]
+MOST_DOORS = 63
+SOLID = -1
+"""The room of a cell that is none: nobody is ever in it."""
 
 
 class Lab(NamedTuple):
@@ -51,9 +36,10 @@ class Lab(NamedTuple):
     rows: int
     cols: int
     n_rooms: int
-    rooms: npt.NDArray[np.int64]  # the room of a cell, 0..n_rooms-1
+    rooms: npt.NDArray[np.int64]  # the room of a cell, 0..n_rooms-1, or SOLID
     reach: npt.NDArray[np.int64]  # unit steps from a cell, at most 3, that stay inside and cross no wall
     doors: NoDoors | Doors
+    walls: NoWalls | Walls
 
     def __eq__(self, other: object) -> bool:
         return self is other
@@ -63,6 +49,32 @@ class Lab(NamedTuple):
 
     def __hash__(self) -> int:
         return id(self)
+
+
+class _About(NamedTuple):
+    """What kernels need not know of a lab: its rooms' names, and which may be goals."""
+
+    names: tuple[str, ...]
+    goals: tuple[int, ...]
+
+
+_about: dict[Lab, _About] = {}
+"""Of every lab that was made."""
+
+
+def room_names(lab: Lab) -> tuple[str, ...]:
+    """What the rooms are called, by their numbers: letters, or the numbers themselves."""
+    return _about[lab].names
+
+
+def goals_of(lab: Lab) -> tuple[int, ...]:
+    """The rooms that may be goals, ascending."""
+    return _about[lab].goals
+
+
+def starts_of(lab: Lab) -> npt.NDArray[np.int64]:
+    """The cells, row * cols + col, in which a trial may begin, ascending."""
+    return lab.walls.starts if isinstance(lab.walls, Walls) else np.arange(lab.rows * lab.cols)
 
 
 class Box(NamedTuple):
@@ -77,9 +89,15 @@ class Box(NamedTuple):
 def make_lab(
     rows: int,
     cols: int,
-    walls: Iterable[Wall] = (),
-    doors: Sequence[Iterable[Wall]] = (),
+    walls: Iterable[Pair] = (),
+    doors: Sequence[Iterable[Pair]] = (),
     rooms: npt.ArrayLike | None = None,
+    *,
+    chances: Sequence[float] | None = None,
+    shut: Collection[int] = (),
+    starts: npt.ArrayLike | None = None,
+    goals: Sequence[int] | None = None,
+    letters: str = "",
 ) -> Lab:
     """A lab of `rows` x `cols` cells with a wall between each pair of straight neighbours in `walls`.
 
@@ -87,8 +105,13 @@ def make_lab(
         rows: cells from north to south, at least 1.
         cols: cells from west to east, at least 1.
         walls: which pairs of cells have one between them.
-        doors: of each door, at most 64, the pairs of cells that it parts when it is shut.
-        rooms: the room of each cell, shape (rows, cols), from 0; one room where there is none.
+        doors: of each door that a scene may shut, at most 63, the pairs of cells that it parts then.
+        rooms: the room of each cell, shape (rows, cols), from 0, `SOLID` where there is none; one room if not given.
+        chances: how likely each of `doors` is opened or shut before a trial; never if not given.
+        shut: which of `doors`, by their place, are shut at first.
+        starts: in which cells a trial may begin, shape (rows, cols); in all that are not solid if not given.
+        goals: the rooms that may be goals, all if not given.
+        letters: the name of each room, a letter; "" where they have numbers only.
 
     Raises:
         ValueError: a wall does not lie between two neighbouring cells, or there are too many doors.
@@ -96,71 +119,97 @@ def make_lab(
     if len(doors) > MOST_DOORS:
         raise ValueError(f"at most {MOST_DOORS} doors can be shut, not {len(doors)}")
     plan = np.zeros((rows, cols), np.int64) if rooms is None else np.array(rooms, np.int64).reshape(rows, cols)
-    passable = ~_crossing(rows, cols, walls)
-    passable &= _inside(rows, cols)
+    n_rooms = int(plan.max()) + 1
+    barred = crossing(rows, cols, walls)
+    passable = inside(rows, cols) & ~barred
     needed = np.zeros((rows, cols, N_DIRECTIONS), np.int64)
     for number, leaves in enumerate(doors):
-        needed |= np.where(_crossing(rows, cols, leaves), np.uint64(1 << number), np.uint64(0)).view(np.int64)
-    shut = Doors(len(doors), needed) if len(doors) else NoDoors()
-    return Lab(rows, cols, int(plan.max()) + 1, plan, _reach(passable), shut)
+        needed |= np.where(crossing(rows, cols, leaves), np.uint64(1 << number), np.uint64(0)).view(np.int64)
+    begin = (plan != SOLID) if starts is None else np.asarray(starts, np.bool_)
+    is_open = not (len(doors) or barred.any()) and bool(begin.all())
+    lab = Lab(
+        rows,
+        cols,
+        n_rooms,
+        plan,
+        reach_of(passable),
+        _doors(needed, chances or [0.0] * len(doors), shut) if len(doors) else NoDoors(),
+        NoWalls() if is_open else Walls(visible_pairs(passable), np.flatnonzero(begin)),
+    )
+    names = tuple(letters) or tuple(map(str, range(n_rooms)))
+    _about[lab] = _About(names, tuple(range(n_rooms)) if goals is None else tuple(goals))
+    return lab
 
 
-def _reach(passable: npt.NDArray[np.bool_]) -> npt.NDArray[np.int64]:
-    """How many unit steps in each direction are free one after the other, at most as many as a move has.
-
-    Both `passable`, whether one is free, and what comes back have the shape (rows, cols, 8).
-    """
-    rows, cols, _ = passable.shape
-    reach = np.zeros(passable.shape, np.int64)
-    for _ in range(MAX_SPEED):  # one more than the cell ahead has
-        around = np.pad(reach, ((1, 1), (1, 1), (0, 0)))
-        for direction in range(N_DIRECTIONS):
-            row, col = 1 + ROW_STEPS[direction], 1 + COL_STEPS[direction]
-            ahead = around[row : row + rows, col : col + cols, direction]
-            free = passable[:, :, direction]
-            reach[:, :, direction] = np.where(free, np.minimum(ahead + 1, MAX_SPEED), 0)
-    return reach
+def _doors(needed: npt.NDArray[np.int64], chances: Sequence[float], shut: Collection[int]) -> Doors:
+    begin = (1 << len(chances)) - 1 - sum(1 << door for door in shut)
+    return Doors(len(chances), needed, *doors_between(needed), np.array(chances), begin)
 
 
-def _inside(rows: int, cols: int) -> npt.NDArray[np.bool_]:
-    """Whether a unit step stays inside, shape (rows, cols, 8)."""
-    row, col = np.arange(rows)[:, None, None] + ROW_STEPS, np.arange(cols)[None, :, None] + COL_STEPS
-    inside: npt.NDArray[np.bool_] = (row >= 0) & (row < rows) & (col >= 0) & (col < cols)
-    return inside
-
-
-def _crossing(rows: int, cols: int, walls: Iterable[Wall]) -> npt.NDArray[np.bool_]:
-    """Whether a unit step crosses one of `walls`, shape (rows, cols, 8); a diagonal one has four ways round."""
-    closed = set()
-    for wall in walls:
-        (row, col), (other_row, other_col) = wall
-        if abs(row - other_row) + abs(col - other_col) != 1:
-            raise ValueError(f"a wall lies between straight neighbours, not {(row, col)}, {(other_row, other_col)}")
-        closed |= {wall, wall[::-1]}
-
-    def crosses(cell: Cell, row_step: int, col_step: int) -> bool:
-        ahead, beside = (cell[0] + row_step, cell[1]), (cell[0], cell[1] + col_step)
-        there = ahead[0], beside[1]
-        if row_step == 0 or col_step == 0:
-            return (cell, there) in closed
-        return not closed.isdisjoint({(cell, ahead), (cell, beside), (ahead, there), (beside, there)})
-
-    crossing = np.zeros((rows, cols, N_DIRECTIONS), np.bool_)
-    near = {(row + r, col + c) for wall in closed for row, col in wall for r in (-1, 0, 1) for c in (-1, 0, 1)}
-    for row, col in near:
-        if 0 <= row < rows and 0 <= col < cols:
-            for direction in range(N_DIRECTIONS):
-                crossing[row, col, direction] = crosses(
-                    (row, col), int(ROW_STEPS[direction]), int(COL_STEPS[direction])
-                )
-    return crossing
-
-
+@cache
 def box_of(lab: Lab, room: int) -> Box:
-    """The smallest rectangle around the cells of a room."""
-    rows, cols = np.nonzero(lab.rooms == room)
-    row, col = int(rows.min()), int(cols.min())
-    return Box(row, col, int(rows.max()) + 1 - row, int(cols.max()) + 1 - col)
+    """The largest rectangle of a room's cells, of equals the northernmost: all of them where the room is one."""
+    inside = lab.rooms == room
+    best = Box(0, 0, 0, 0)
+    for row in np.flatnonzero(inside.any(axis=1)).tolist():
+        free = inside[row].copy()
+        for below in range(row, lab.rows):
+            free &= inside[below]
+            ends = np.flatnonzero(np.diff(np.pad(free.astype(np.int8), 1)))
+            if not len(ends):
+                break
+            begin, end = max(zip(ends[::2].tolist(), ends[1::2].tolist(), strict=True), key=lambda run: run[1] - run[0])
+            box = Box(row, begin, below + 1 - row, end - begin)
+            best = max(best, box, key=lambda each: each.rows * each.cols)
+    return best
+
+
+def is_box(lab: Lab, room: int) -> bool:
+    """Whether a room is a rectangle of cells."""
+    box = box_of(lab, room)
+    return box.rows * box.cols == int((lab.rooms == room).sum())
+
+
+class Wall(NamedTuple):
+    """A straight line between two corners of cells, as rows and columns from the north-western corner of the lab."""
+
+    row: int
+    col: int
+    end_row: int
+    end_col: int
+
+
+def walls_of(lab: Lab) -> list[Wall]:
+    """What parts cells for good, as lines as long as they are straight; the lab's outer border is left out."""
+    parted = lab.reach == 0
+    solid = lab.rooms == SOLID
+    east = parted[:, :-1, Direction.EAST] & ~(solid[:, :-1] & solid[:, 1:])
+    south = parted[:-1, :, Direction.SOUTH] & ~(solid[:-1] & solid[1:])
+    return _lines(east, south)
+
+
+def shut_doors(lab: Lab, open_doors: int) -> list[Wall]:
+    """The doors that are shut while only `open_doors` are open, as lines."""
+    if not isinstance(lab.doors, Doors):
+        return []
+    shut = (lab.doors.needed & ~np.int64(open_doors)) != 0
+    return _lines(shut[:, :-1, Direction.EAST], shut[:-1, :, Direction.SOUTH])
+
+
+def _lines(east: npt.NDArray[np.bool_], south: npt.NDArray[np.bool_]) -> list[Wall]:
+    """Lines where something is east of a cell, shape (rows, cols - 1), or south of it, shape (rows - 1, cols)."""
+    found = []
+    for col, down in enumerate(east.T, 1):
+        found += [Wall(begin, col, end, col) for begin, end in runs(down)]
+    for row, along in enumerate(south, 1):
+        found += [Wall(row, begin, row, end) for begin, end in runs(along)]
+    return found
+
+
+def runs(flags: npt.NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """Where runs of True begin and end."""
+    ends = np.flatnonzero(np.diff(np.pad(flags.astype(np.int8), 1))).tolist()
+    return list(zip(ends[::2], ends[1::2], strict=True))
 
 
 @cache
@@ -168,6 +217,72 @@ def paper_lab() -> Lab:
     """The paper's: 3 x 3 rooms of 8 x 8 cells, numbered row by row from the north-west, without walls."""
     rows = np.arange(24) // 8
     return make_lab(24, 24, rooms=rows[:, None] * 3 + rows[None, :])
+
+
+def _random_cell(walls, rows, cols, random):  # type: ignore[no-untyped-def]
+    """A cell in which a trial may begin, uniform."""
+
+
+RANDOM_CELL = Operation(_random_cell)
+random_cell_of = RANDOM_CELL.function
+
+
+@RANDOM_CELL.of(NoWalls)
+def _any_cell(walls: NoWalls, rows: int, cols: int, random: RandomState) -> Cell:
+    return random_below(random, rows), random_below(random, cols)
+
+
+@RANDOM_CELL.of(Walls)
+def _cell_within_reach(walls: Walls, rows: int, cols: int, random: RandomState) -> Cell:
+    cell = walls.starts[random_below(random, len(walls.starts))]
+    return cell // cols, cell % cols
+
+
+@kernel
+def random_cell(lab: Lab, random: RandomState) -> Cell:
+    """A cell in which a trial may begin, uniform."""
+    cell: Cell = random_cell_of(lab.walls, lab.rows, lab.cols, random)
+    return cell
+
+
+@kernel
+def sees(lab: Lab, row: int, col: int, other_row: int, other_col: int, open_doors: int) -> bool:
+    """Whether two cells see each other, with a bit in `open_doors` for each door that is open."""
+    seen: bool = in_sight(lab.walls, lab.doors, lab.cols, row, col, other_row, other_col, open_doors)
+    return seen
+
+
+def _toggled(doors, open_doors, random):  # type: ignore[no-untyped-def]
+    """Which doors are open in a trial, given those of the trial before."""
+
+
+TOGGLED = Operation(_toggled)
+toggled_of = TOGGLED.function
+
+
+@TOGGLED.of(NoDoors)
+def _as_they_were(doors: NoDoors, open_doors: int, random: RandomState) -> int:
+    return open_doors
+
+
+@TOGGLED.of(Doors)
+def _perhaps(doors: Doors, open_doors: int, random: RandomState) -> int:
+    for door in range(doors.number):
+        if doors.chances[door] > 0.0 and happens(random, doors.chances[door]):
+            open_doors ^= 1 << door
+    return open_doors
+
+
+@kernel
+def toggled(lab: Lab, open_doors: int, random: RandomState) -> int:
+    """Which doors are open in a trial, given those of the trial before: each may have been opened or shut."""
+    now: int = toggled_of(lab.doors, open_doors, random)
+    return now
+
+
+def open_at_first(lab: Lab) -> int:
+    """The doors that are open as a cell or a phase begins."""
+    return lab.doors.begin if isinstance(lab.doors, Doors) else ALL_OPEN
 
 
 def _before_shut(doors, row, col, direction, steps, open_doors):  # type: ignore[no-untyped-def]

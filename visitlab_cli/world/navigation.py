@@ -2,25 +2,30 @@
 
 from typing import NamedTuple
 
+import numpy as np
+import numpy.typing as npt
+
 from visitlab_cli.compiled import kernel
 from visitlab_cli.random_numbers import RandomState, random_below
 from visitlab_cli.world.enums import Action, Direction
-from visitlab_cli.world.lab import Lab, paper_lab
+from visitlab_cli.world.lab import Lab, goals_of, paper_lab, random_cell
 from visitlab_cli.world.robot import acted
-from visitlab_cli.world.scene import Body, Scene, acted_scene, with_aims
+from visitlab_cli.world.scene import Body, Scene, acted_scene, before_trial, with_aims
 from visitlab_cli.world.task import BEGIN_TRIAL, OBSERVE, STEP, TRAINING_TRIAL_STEPS
 
 
 class Navigation(NamedTuple):
-    """The lab and how many steps a trial has."""
+    """The lab, how many steps a trial has, and the rooms that goals are drawn from, shape (goals,)."""
 
     lab: Lab
     trial_steps: int
+    goal_rooms: npt.NDArray[np.int64]
 
 
 def make_navigation(trial_steps: int = TRAINING_TRIAL_STEPS, lab: Lab | None = None) -> Navigation:
     """Navigation in `lab`, the paper's unless given."""
-    return Navigation(lab or paper_lab(), trial_steps)
+    lab = lab or paper_lab()
+    return Navigation(lab, trial_steps, np.array(goals_of(lab)))
 
 
 @kernel
@@ -32,9 +37,11 @@ def navigation_state(lab: Lab, goal_room: int, row: int, col: int) -> int:
 @BEGIN_TRIAL.of(Navigation)
 def begin_trial(task: Navigation, last: Scene, random: RandomState) -> Scene:
     """A random cell, heading east, and a random goal room."""
-    row, col = random_below(random, task.lab.rows), random_below(random, task.lab.cols)
+    last = before_trial(task.lab, last, random)
+    row, col = random_cell(task.lab, random)
     robot = Body(row, col, Direction.EAST.value)
-    return with_aims(acted_scene(last, robot, Action.NO_ACTION.value), 0, random_below(random, task.lab.n_rooms))
+    goal_room = task.goal_rooms[random_below(random, len(task.goal_rooms))]
+    return with_aims(acted_scene(last, robot, Action.NO_ACTION.value), 0, goal_room)
 
 
 @STEP.of(Navigation)

@@ -11,8 +11,8 @@ from typing import Any, NamedTuple
 from visitlab_cli.compiled import kernel, written
 from visitlab_cli.random_numbers import RandomState, random_below
 from visitlab_cli.world.enums import N_DIRECTIONS, Action, Engagement, InteractionLevel
-from visitlab_cli.world.geometry import Geometry, sight
-from visitlab_cli.world.lab import ALL_OPEN, Lab
+from visitlab_cli.world.geometry import TOO_FAR, Geometry, sight
+from visitlab_cli.world.lab import ALL_OPEN, Lab, random_cell, sees, toggled
 
 
 class Scene(NamedTuple):
@@ -94,6 +94,7 @@ with_wanted: Callable[..., Scene] = _with(
     "plan_leads", "wanted_robot_row", "wanted_robot_col", "wanted_human_row", "wanted_human_col"
 )
 """The same scene with what a plan wants: `(scene, plan_leads, robot's row, col, human's row, col)`."""
+_with_doors: Callable[[Scene, int], Scene] = _with("open_doors")
 _with_robot: Callable[..., Scene] = _with("robot_row", "robot_col", "robot_heading", "executed_action")
 _with_human: Callable[..., Scene] = _with(*Reaction._fields, of="reaction")
 _with_relation: Callable[..., Scene] = _with("interaction_level", "distance", "angle")
@@ -106,29 +107,38 @@ def acted_scene(scene: Scene, robot: Body, action: int) -> Scene:
 
 
 @kernel
-def related(geometry: Geometry, scene: Scene) -> Scene:
-    """The scene with the distance, angle and interaction level that follow from bodies and engagement."""
+def related(lab: Lab, geometry: Geometry, scene: Scene) -> Scene:
+    """The scene with the distance, angle and interaction level that follow from bodies and engagement.
+
+    Where a wall is between the two the human does not see the robot, and the distance is perceived as too far.
+    """
     north, east = scene.robot_row - scene.human_row, scene.human_col - scene.robot_col
     place = north + geometry.reach, east + geometry.reach
-    if scene.engagement == Engagement.NONE:
+    distance = int(geometry.distance[place])
+    visible = sees(lab, scene.robot_row, scene.robot_col, scene.human_row, scene.human_col, scene.open_doors)
+    if not visible:
+        distance = TOO_FAR
+    if scene.engagement != Engagement.NONE:
+        level = scene.engagement + InteractionLevel.BOTH_FACE.value
+    elif visible:
         level = sight(geometry, north, east, scene.robot_heading, scene.human_heading)
     else:
-        level = scene.engagement + InteractionLevel.BOTH_FACE.value
-    return _with_relation(scene, level, int(geometry.distance[place]), int(geometry.angle[place]))
+        level = InteractionLevel.NOT_SEEN.value
+    return _with_relation(scene, level, distance, int(geometry.angle[place]))
 
 
 @kernel
-def first_scene(geometry: Geometry, last: Scene, robot: Body, human: Body) -> Scene:
+def first_scene(lab: Lab, geometry: Geometry, last: Scene, robot: Body, human: Body) -> Scene:
     """The scene that a trial starts in: nobody engaged, nothing done; the aims and doors are those of `last`."""
     no_action = Action.NO_ACTION.value
     unmoved = reaction(human.row, human.col, human.heading, Engagement.NONE.value, no_action)
-    return related(geometry, _with_human(acted_scene(last, robot, no_action), unmoved))
+    return related(lab, geometry, _with_human(acted_scene(last, robot, no_action), unmoved))
 
 
 @kernel
-def next_scene(geometry: Geometry, scene: Scene, robot: Body, action: int, decided: Reaction) -> Scene:
+def next_scene(lab: Lab, geometry: Geometry, scene: Scene, robot: Body, action: int, decided: Reaction) -> Scene:
     """The scene after a step: the robot's body after its executed `action`, and what the human `decided`."""
-    return related(geometry, _with_human(acted_scene(scene, robot, action), decided))
+    return related(lab, geometry, _with_human(acted_scene(scene, robot, action), decided))
 
 
 @kernel
@@ -144,6 +154,12 @@ def human_of(scene: Scene) -> Body:
 
 
 @kernel
+def before_trial(lab: Lab, last: Scene, random: RandomState) -> Scene:
+    """What a trial that follows `last` finds: some of the lab's doors may have been opened or shut."""
+    return _with_doors(last, toggled(lab, last.open_doors, random))
+
+
+@kernel
 def random_direction(random: RandomState) -> int:
     """A direction, uniform over the eight."""
     return random_below(random, N_DIRECTIONS)
@@ -151,5 +167,6 @@ def random_direction(random: RandomState) -> int:
 
 @kernel
 def random_body(lab: Lab, random: RandomState) -> Body:
-    """A cell and a heading, uniform over the lab."""
-    return Body(random_below(random, lab.rows), random_below(random, lab.cols), random_direction(random))
+    """A cell in which a trial may begin and a heading, uniform."""
+    row, col = random_cell(lab, random)
+    return Body(row, col, random_direction(random))

@@ -96,7 +96,7 @@ def begin_trial(task: Social, last: Scene, random: RandomState) -> Scene:
     robot = random_body(task.lab, random)
     human = Body(task.lab.rows // 2, task.lab.cols // 2, random_direction(random))
     desired = random_direction(random)
-    return with_aims(first_scene(task.geometry, last, robot, human), desired, 0)
+    return with_aims(first_scene(task.lab, task.geometry, last, robot, human), desired, 0)
 
 
 @STEP.of(Social)
@@ -107,7 +107,7 @@ def step(task: Social, scene: Scene, action: int, random: RandomState) -> tuple[
     else:
         robot = acted(task.lab, scene, action)
     reaction = react(task.human, task.lab, task.geometry, scene, action, random)
-    after = next_scene(task.geometry, scene, robot, action, reaction)
+    after = next_scene(task.lab, task.geometry, scene, robot, action, reaction)
     reward = 1.0 if follows_in_direction(after, scene.desired_direction) else 0.0
     if happens(random, task.direction_change):
         after = with_aims(after, random_direction(random), 0)

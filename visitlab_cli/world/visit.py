@@ -14,9 +14,17 @@ from visitlab_cli.compiled import kernel
 from visitlab_cli.random_numbers import RandomState, random_below
 from visitlab_cli.world.geometry import DISTANCES, Geometry, make_geometry
 from visitlab_cli.world.human import react
-from visitlab_cli.world.lab import Lab, paper_lab
+from visitlab_cli.world.lab import Lab, goals_of, paper_lab
 from visitlab_cli.world.robot import acted
-from visitlab_cli.world.scene import Scene, first_scene, next_scene, random_body, random_direction, with_aims
+from visitlab_cli.world.scene import (
+    Scene,
+    before_trial,
+    first_scene,
+    next_scene,
+    random_body,
+    random_direction,
+    with_aims,
+)
 
 
 class VisitWorld(NamedTuple):
@@ -34,22 +42,37 @@ def make_visit_world(
     distances: Sequence[int] = DISTANCES,
     lab: Lab | None = None,
 ) -> VisitWorld:
-    """A human in `lab`, the paper's unless given, with goals among `goal_rooms`, all unless given."""
+    """A human in `lab`, the paper's unless given, with goals among `goal_rooms`, all that the lab has unless given."""
     lab = lab or paper_lab()
-    goals = np.arange(lab.n_rooms) if goal_rooms is None else np.array(goal_rooms, np.int64)
+    goals = np.array(goals_of(lab) if goal_rooms is None else goal_rooms, np.int64)
     return VisitWorld(lab, make_geometry(lab.rows, lab.cols, distances), human, goals)
 
 
 @kernel
 def begin_visit(world: VisitWorld, last: Scene, random: RandomState) -> Scene:
-    """All cells and headings random; goal room and desired direction carry over from `last`, or are random."""
+    """All cells and headings random; goal room and desired direction carry over from `last`, or are random.
+
+    A goal room that is none any more gives way to another.
+    """
+    last = before_trial(world.lab, last, random)
     robot = random_body(world.lab, random)
     human = random_body(world.lab, random)
     desired, goal_room = last.desired_direction, last.goal_room
     if goal_room < 0:
         desired = random_direction(random)
         goal_room = world.goal_rooms[random_below(random, len(world.goal_rooms))]
-    return with_aims(first_scene(world.geometry, last, robot, human), desired, goal_room)
+    elif not is_goal(world, goal_room):
+        goal_room = another_goal(world, goal_room, random)
+    return with_aims(first_scene(world.lab, world.geometry, last, robot, human), desired, goal_room)
+
+
+@kernel
+def is_goal(world: VisitWorld, room: int) -> bool:
+    """Whether goals may be drawn from a room."""
+    found = False
+    for goal_room in world.goal_rooms:
+        found = found or goal_room == room
+    return found
 
 
 @kernel
@@ -76,7 +99,7 @@ def step_visit(world: VisitWorld, scene: Scene, action: int, random: RandomState
     """
     robot = acted(world.lab, scene, action)
     reaction = react(world.human, world.lab, world.geometry, scene, action, random)
-    after = next_scene(world.geometry, scene, robot, action, reaction)
+    after = next_scene(world.lab, world.geometry, scene, robot, action, reaction)
     if world.lab.rooms[after.human_row, after.human_col] != scene.goal_room:
         return after, 0.0
     return with_aims(after, scene.desired_direction, another_goal(world, scene.goal_room, random)), 1.0
