@@ -11,7 +11,7 @@ from tests.simulation.small_lab import HUMAN, model_of, played, two_rooms, visit
 from visitlab_cli.simulation.controller import prepare
 from visitlab_cli.simulation.lead import sweep_lead
 from visitlab_cli.simulation.vehicle import plan_directions
-from visitlab_cli.world.lab import make_lab, move
+from visitlab_cli.world.lab import make_lab, move, sees
 
 GAMMA, SHARE = 0.9, 0.6
 LEAD = "route", "mask", "plan", "lead"
@@ -33,7 +33,7 @@ def whole_values(lab, speeds, loss):
     rows, cols = np.array(cells).T
     north, east = rows[:, None] - rows, cols[:, None] - cols  # of the human's cell from the robot's, [human, robot]
     apart = np.maximum(abs(north), abs(east))
-    near = (apart >= 2) & (apart <= 5)
+    near = (apart >= 2) & (apart <= 5) & np.array([[sees(lab, *cell, *other, -1) for other in cells] for cell in cells])
     bearing = np.round(np.arctan2(north, -east) / (np.pi / 4) % 8, 2)  # from human to robot: rows grow southwards
     towards = (np.rint((bearing + 4) % 8).astype(int) + 4) % 8
     room, values = lab.rooms.ravel(), np.zeros((lab.n_rooms, len(cells), len(cells)))

@@ -4,7 +4,7 @@ A controller is a record of a visit, with an operation for each moment at which 
 a trial's beginning, the robot's choice, the way to the human, what a step showed, and what it wants of the next.
 """
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,11 +15,19 @@ from visitlab_cli.compiled import Operation, kernel, long_kernel
 from visitlab_cli.random_numbers import RandomState
 from visitlab_cli.simulation.estimates import Estimates, make_estimates, notice
 from visitlab_cli.simulation.lead import Lead, leading_action, make_lead, offset_of, start_lead, sweep_lead
-from visitlab_cli.simulation.successors import Cells, Successors, follow_up, make_successors, towards
+from visitlab_cli.simulation.successors import (
+    Cells,
+    Successors,
+    follow_up,
+    make_successors,
+    towards,
+)
 from visitlab_cli.simulation.vehicle import plan_directions
 from visitlab_cli.world.enums import N_DIRECTIONS, InteractionLevel
+from visitlab_cli.world.geometry import is_appropriate
 from visitlab_cli.world.go_to_human import go_to_human_state
 from visitlab_cli.world.scene import Scene, with_wanted
+from visitlab_cli.world.sight import Walls
 from visitlab_cli.world.visit import VisitWorld
 
 ROUTE, MASK, PLAN, LEAD = "route", "mask", "plan", "lead"
@@ -67,6 +75,7 @@ def make_planned(
     reach: int,
     told: tuple[tuple[float, ...], float] | None = None,
     window: int = 0,
+    others: Sequence[VisitWorld] = (),
 ) -> Planned:
     """A controller that has not planned yet.
 
@@ -77,12 +86,16 @@ def make_planned(
         reach: the largest appropriate distance, in cells.
         told: the human's p_S and p_A, where they are not to be estimated.
         window: estimates are over so many of the last chances; 0 for all.
+        others: the worlds of later phases, which may have other walls and goals; sight is taken to be as in the first.
     """
     leads = LEAD in options
     rooms = world.lab.rooms.ravel()
-    known = make_successors(model, world.lab)
+    worlds = (world, *others)
+    walled = any(isinstance(each.lab.walls, Walls) for each in worlds)
+    known = make_successors(model, world.lab, walled=walled)
     # what does not lead has no use for the plan's tables
-    leading = make_lead(world.geometry, reach if leads else 0, rooms, world.goal_rooms)
+    ever = np.unique(np.concatenate([each.goal_rooms for each in worlds]))
+    leading = make_lead(world.geometry, reach if leads else 0, rooms, ever)
     clock = np.zeros(4, np.int64)
     clock[HAS_MODEL] = len(model["successor_states"]) > 0
     estimates = make_estimates(window, told)
@@ -98,8 +111,11 @@ def _decide(controller, agent, scene, state, step, random):  # type: ignore[no-u
     """The action and whether it was drawn at random, as the social module's `choose`."""
 
 
-def _approach(controller, go_to_human, scene, random):  # type: ignore[no-untyped-def]
-    """The physical action for 'go to human vision'; `go_to_human` is that module's Q."""
+def _approach(controller, go_to_human, scene, visible, random):  # type: ignore[no-untyped-def]
+    """The physical action for 'go to human vision'; `go_to_human` is that module's Q.
+
+    `visible` is whether robot and human see each other.
+    """
 
 
 def _observed(controller, before, after):  # type: ignore[no-untyped-def]
@@ -129,7 +145,7 @@ def _social_module(
 
 
 @APPROACH.of(Paper)
-def _go_to_human(controller: Paper, go_to_human: Table, scene: Scene, random: RandomState) -> int:
+def _go_to_human(controller: Paper, go_to_human: Table, scene: Scene, visible: bool, random: RandomState) -> int:
     return greedy(go_to_human[go_to_human_state(scene)], random)
 
 
@@ -177,7 +193,7 @@ def plan_if_due(controller: Planned, direction_values: Table) -> None:
 @kernel
 def leads_from(controller: Planned, scene: Scene) -> int:
     """The robot's offset from a human that follows and can be led; -1 where the social module acts."""
-    if not controller.lead or scene.interaction_level != InteractionLevel.FOLLOWS:
+    if not controller.lead or scene.interaction_level != InteractionLevel.FOLLOWS or not is_appropriate(scene.distance):
         return -1
     return offset_of(controller.leading, controller.known, robot_cell(controller, scene), human_cell(controller, scene))
 
@@ -209,12 +225,11 @@ def _lead_or_choose(
 
 
 @APPROACH.of(Planned)
-def _by_the_route(controller: Planned, go_to_human: Table, scene: Scene, random: RandomState) -> int:
+def _by_the_route(controller: Planned, go_to_human: Table, scene: Scene, visible: bool, random: RandomState) -> int:
     """Out of sight of the human by the shortest known way to it; else, and where none is known, as the module says."""
-    known = controller.known
-    robot, human = robot_cell(controller, scene), human_cell(controller, scene)
-    if controller.route and not known.sees[robot, human]:
-        action = towards(known, robot, human, random)
+    if controller.route and not visible:
+        robot, human = robot_cell(controller, scene), human_cell(controller, scene)
+        action = towards(controller.known, robot, human, random)
         if action >= 0:
             return action
     return greedy(go_to_human[go_to_human_state(scene)], random)

@@ -14,6 +14,7 @@ from visitlab_cli.compiled import kernel, long_kernel
 from visitlab_cli.random_numbers import RandomState, random_below
 from visitlab_cli.world.enums import N_DIRECTIONS, N_MOVES, N_PHYSICAL_ACTIONS, N_SOCIAL_ACTIONS, Action
 from visitlab_cli.world.lab import Lab
+from visitlab_cli.world.sight import Walls
 
 Cells = npt.NDArray[np.int64]
 
@@ -36,15 +37,15 @@ class Successors(NamedTuple):
     place: Cells
 
 
-def make_successors(model: Saved, lab: Lab) -> Successors:
+def make_successors(model: Saved, lab: Lab, *, walled: bool = True) -> Successors:
     """What a navigation module's `model` (`successor_*`) tells of moving in `lab`.
 
-    Where every cell is in sight of every other no way is ever looked for, and `moves` is empty.
+    Where nothing is ever `walled` no way is looked for, and `moves` is empty.
     """
     cells = lab.rows * lab.cols
     place = np.stack(np.divmod(np.arange(cells), lab.cols), axis=1)
     sees = sight_in(lab)
-    needed = 0 if sees.all() else cells
+    needed = cells if walled else 0
     found = Successors(
         learned_after(model, cells),
         np.zeros((cells, N_SOCIAL_ACTIONS), np.int64),
@@ -57,9 +58,9 @@ def make_successors(model: Saved, lab: Lab) -> Successors:
 
 
 def sight_in(lab: Lab) -> npt.NDArray[np.bool_]:
-    """Whether robot and human in two cells see each other, shape (cells, cells): in a lab without walls always."""
+    """Whether robot and human in two cells see each other while all doors are open: shape (cells, cells)."""
     cells = lab.rows * lab.cols
-    return np.ones((cells, cells), np.bool_)
+    return lab.walls.visible if isinstance(lab.walls, Walls) else np.ones((cells, cells), np.bool_)
 
 
 def learned_after(model: Saved, cells: int) -> Cells:

@@ -16,7 +16,7 @@ from visitlab_cli.simulation.controller import Paper, Planned, approach, decide,
 from visitlab_cli.simulation.loop import DECIDE
 from visitlab_cli.world.enums import MAX_SPEED, N_DIRECTIONS, N_MOVES, Action
 from visitlab_cli.world.human import follows_in_direction
-from visitlab_cli.world.lab import Lab
+from visitlab_cli.world.lab import Lab, sees
 from visitlab_cli.world.scene import Scene, with_aims
 from visitlab_cli.world.social import social_state
 from visitlab_cli.world.task import BEGIN_TRIAL, OBSERVE, STEP, VISIT_TRIAL_STEPS
@@ -83,7 +83,9 @@ def step(task: Visit, scene: Scene, action: int, random: RandomState) -> tuple[S
     """One step: the reward of the visit, and the social one, which the social module learns from."""
     executed = action
     if action == Action.GO_TO_HUMAN_VISION:
-        executed = approach(task.controller, task.go_to_human, scene, random)
+        lab = task.world.lab
+        seen = sees(lab, scene.robot_row, scene.robot_col, scene.human_row, scene.human_col, scene.open_doors)
+        executed = approach(task.controller, task.go_to_human, scene, seen, random)
     after, reward = step_visit(task.world, scene, executed, random)
     social = 0.0
     if task.pays_social_reward and follows_in_direction(after, scene.desired_direction):
