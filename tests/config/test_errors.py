@@ -5,7 +5,7 @@ import pytest
 from tests.config.lab import LAB, Complain, Load, edited
 
 NAME_RULE = "a name has 1 to 64 of A-Z a-z 0-9 . _ - and starts with a letter or digit"
-TOP_KEYS = "agents, expected, experiments, humans, include, interaction, name, record, seed, seeds, vary"
+TOP_KEYS = "agents, expected, experiments, humans, include, interaction, labs, name, record, seed, seeds, vary"
 
 ONE_LINE = [
     # humans
@@ -115,7 +115,7 @@ ONE_LINE = [
     (
         "agents: [mb], steps",
         "agents: [mb], humans: [human_1], steps",
-        "13:50: experiments.go_to_human.humans: unknown; known: agents, phases, steps, success, task, trial_steps",
+        "13:50: experiments.go_to_human.humans: unknown; known: agents, lab, phases, steps, success, task, trial_steps",
     ),
     (
         "[rmax, mf], steps: 100",

@@ -58,7 +58,7 @@ def test_lengths_paths_and_what_each_result_depends_on() -> None:
         (
             VISIT,
             "phases: [{steps: 500, trials: 5, human: human_2}]",
-            "18:15: experiments.visit.phases.0.steps: unknown; known: human, plan_every, trials",
+            "18:15: experiments.visit.phases.0.steps: unknown; known: doors, human, lab, plan_every, trials",
         ),
         (
             SOCIAL,
@@ -83,7 +83,7 @@ def test_lengths_paths_and_what_each_result_depends_on() -> None:
         (
             "agents: [mb], steps: 100",
             "agents: [mb], phases: [{trials: 3, human: human_2}]",
-            "13:71: experiments.go_to_human.phases.0.human: unknown; known: plan_every, steps, trials",
+            "13:71: experiments.go_to_human.phases.0.human: unknown; known: doors, lab, plan_every, steps, trials",
         ),
         (
             "[rmax, mf], steps: 100",

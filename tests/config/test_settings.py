@@ -38,7 +38,7 @@ FIRST: dict[str, dict[str, Any]] = {
     "SocialTraining": {**TRAINING, "humans": [], "arena": 120, "direction_change": 0.2, "start_from": None},
     "Visit": {
         "task": MUST, "modules": MUST, "humans": [], "trials": 1000, "trial_steps": 100, "plan_every": 100,
-        "models": "paired", "goal_rooms": [0, 1, 2, 3, 4, 5, 6, 7, 8], "planner_rewards": "carried",
+        "models": "paired", "goal_rooms": "all", "planner_rewards": "carried",
         "social_reward": "social",
     },
     "Modules": {"navigation": MUST, "go_to_human": MUST, "social": MUST},
@@ -49,15 +49,19 @@ FIRST: dict[str, dict[str, Any]] = {
 }  # fmt: skip
 """The fields of version 0.1.0 and their defaults: nothing comes to these, goes, or changes. They are in every hash.
 
-(`humans` had to be given then; who leaves them out now says phases, and has another hash for these.)
+(`all` is read as the numbers of the paper's nine rooms, as it was. `humans` had to be given then; who leaves them out
+now says phases, and has another hash for these.)
 """
 
 SYMMETRIC = {"symmetric": ("0.2.0", False)}
 PHASES = {"phases": ("0.2.0", [])}
+LAB = {"lab": ("0.2.0", "paper")}
 LATER: dict[str, dict[str, tuple[str, Any]]] = {
     **{name: SYMMETRIC for name in ("QLearningParameters", "ModelBasedParameters", "RMaxParameters")},
-    **{name: PHASES for name in ("NavigationTraining", "GoToHumanTraining", "SocialTraining")},
-    "Visit": PHASES | {"controller": ("0.2.0", "paper"), "told": ("0.2.0", False)},
+    **{name: PHASES | LAB for name in ("NavigationTraining", "GoToHumanTraining")},
+    "SocialTraining": PHASES,
+    "Config": {"labs": ("0.2.0", {})},
+    "Visit": PHASES | LAB | {"controller": ("0.2.0", "paper"), "told": ("0.2.0", False)},
 }
 """The version that a field came with, and its default, by the model: what comes to a model of `FIRST` is told here."""
 

@@ -73,7 +73,7 @@ def test_a_social_module_that_plans_and_one_that_does_not(loaded: Load) -> None:
             "8: vary.agents.mbb.epsilon: there is no agents.mbb; did you mean agents.mb.epsilon?",
         ),
         ("agents.mb.epsilon.x: [0]", "8: vary.agents.mb.epsilon.x: there is no agents.mb.epsilon.x"),
-        ("seeds: [1]", "8: vary.seeds: only humans, agents, experiments, interaction can vary"),
+        ("seeds: [1]", "8: vary.seeds: only humans, labs, agents, experiments, interaction can vary"),
         ("agents: [1]", "8: vary.agents: must lead to a setting inside a section"),
         (
             "experiments.social.trial_steps: [20, 30]",

@@ -118,7 +118,7 @@ def test_the_controller_goes_on_with_what_it_knows_where_another_human_comes():
     for task, (name, states, actions) in sizes.items():
         agent = cell.config.agents[name]
         models[task] = agent.save(agent.create(Setting(task, states, actions, 1)))
-    tasks = [task for task, _, _ in build(cell, models | {"social": {}}).stretches]
+    tasks = [task for task, *_ in build(cell, models | {"social": {}}).stretches]
     assert len({id(task.controller.estimates.speeds) for task in tasks}) == 1
     assert len({id(task.direction_values) for task in tasks}) == 1
     assert tasks[0].world.human == tasks[2].world.human != tasks[1].world.human

@@ -12,6 +12,7 @@ from visitlab_cli.agents.base import AgentParameters
 from visitlab_cli.agents.registry import KINDS as AGENTS
 from visitlab_cli.config.canonical import canonical
 from visitlab_cli.config.like import resolve_like
+from visitlab_cli.config.map_files import with_maps
 from visitlab_cli.config.messages import issues_of
 from visitlab_cli.config.model import Config
 from visitlab_cli.config.names import Name
@@ -25,7 +26,7 @@ from visitlab_cli.wording import start_comparing
 from visitlab_cli.yaml.document import Node, Plain
 from visitlab_cli.yaml.problems import Issue, Problem, failure, positioned
 
-SECTIONS = ("humans", "agents", "experiments")
+SECTIONS = ("humans", "agents", "experiments", "labs")
 NOT_KEPT = "can't be kept: it is read otherwise than it is written (a fault of its kind)"
 KINDS: dict[str, tuple[dict[str, Any], type[Kind]]] = {
     "humans": (HUMANS, HumanParameters),
@@ -58,9 +59,8 @@ def check(plain: Plain, *, kept: bool = False) -> tuple[Config | None, list[Issu
         config = model.model_validate_json(text, strict=True)
     except ValidationError as error:
         return None, issues + issues_of(error, model) + reference_issues(_declared(plain, model))
-    whole = Declared(
-        config.humans, config.agents, config.experiments, config.expected, config.interaction.distances[-1]
-    )
+    farthest = config.interaction.distances[-1]
+    whole = Declared(config.humans, config.agents, config.experiments, config.expected, farthest, config.labs)
     found = issues + reference_issues(whole)
     return (None, found) if found else (_with_whole_modules(config), [])
 
@@ -126,6 +126,8 @@ def build(document: Node, problems: list[Problem], *, kept: bool = False) -> Con
         ConfigError: with a line for each problem, those already known included.
     """
     start_comparing()
+    if not kept:
+        document = with_maps(document, problems)
     whole, issues, broken = resolve_like(document)
     config, found = check(whole.plain(), kept=kept)
     everything = [*problems, *(positioned(document, issue) for issue in issues)]
@@ -159,9 +161,9 @@ def _otherwise_read_back(config: Config, *, kept: bool) -> Iterator[Issue]:
 
 def _declared(plain: Plain, model: type[Config]) -> Declared:
     """What can be checked between the parts of a config that is partly wrong."""
-    humans, agents, experiments = (_valid_entries(model, section, plain.get(section)) for section in SECTIONS)
+    humans, agents, experiments, labs = (_valid_entries(model, section, plain.get(section)) for section in SECTIONS)
     expected = plain.get("expected")
-    return Declared(humans, agents, experiments, expected if isinstance(expected, dict) else ())
+    return Declared(humans, agents, experiments, expected if isinstance(expected, dict) else (), labs=labs)
 
 
 @cache
@@ -182,6 +184,9 @@ def _valid_entries(model: type[Config], section: str, entries: Plain) -> dict[st
 
 
 def _with_whole_modules(config: Config) -> Config:
-    """The config with the human of each social module named, so that one setting has one spelling."""
-    experiments = {name: each.with_whole_modules(config.experiments) for name, each in config.experiments.items()}
+    """The config with the human of each social module and the numbers of goal rooms: one setting has one spelling."""
+    experiments = {
+        name: each.with_whole_modules(config.experiments).in_labs(config.labs)
+        for name, each in config.experiments.items()
+    }
     return config.model_copy(update={"experiments": experiments})

@@ -3,14 +3,18 @@
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
 
+from pydantic import Field, PrivateAttr
+
 from visitlab_cli.agents.base import AgentParameters, Saved, Setting
 from visitlab_cli.agents.exploration import Table
-from visitlab_cli.config.names import Module
+from visitlab_cli.config.labs import LabSettings, lab_called
+from visitlab_cli.config.names import PAPER_LAB, Module, Name
 from visitlab_cli.config.phases import PHASES, Phase
-from visitlab_cli.settings import Settings
-from visitlab_cli.world.columns import ENGAGEMENT, MODULES
+from visitlab_cli.settings import Settings, since
+from visitlab_cli.world.columns import DOORS, ENGAGEMENT, MODULES
 from visitlab_cli.world.columns import PHASES as PHASES_PART
-from visitlab_cli.world.lab import Lab, paper_lab
+from visitlab_cli.world.lab import Lab
+from visitlab_cli.world.sight import Doors, Walls
 from visitlab_cli.world.tasks import TASKS, Task
 
 
@@ -41,6 +45,34 @@ class Experiment(Settings):
         trial_steps: int
         phases: tuple[Phase, ...]
 
+    _labs: Mapping[str, LabSettings] = PrivateAttr(default={})
+
+    @property
+    def lab_name(self) -> str:
+        """The name of the lab that it takes place in, and that the sizes of its modules are of."""
+        return str(getattr(self, "lab", PAPER_LAB))
+
+    @property
+    def lab_names(self) -> set[str]:
+        """The names of all labs that its cells know."""
+        return {self.lab_name, *filter(None, (getattr(phase, "lab", None) for phase in self.phases))}
+
+    def in_labs(self, labs: Mapping[str, LabSettings]) -> Self:
+        """The same, knowing the labs that its config declares, with rooms by their numbers in its own."""
+        own = self.model_copy()
+        own._labs = labs
+        return own
+
+    def lab_in(self, phase: Phase | None = None) -> Lab:
+        """The lab that it takes place in, or one of its phases does."""
+        name, doors = getattr(phase, "lab", None), getattr(phase, "doors", None)
+        return lab_called(name or self.lab_name, self._labs, doors)
+
+    @property
+    def labs(self) -> list[Lab]:
+        """The labs that it takes place in: one, or that of each phase."""
+        return [self.lab_in(phase) for phase in self.phases] or [self.lab_in()]
+
     @property
     def plays(self) -> Task:
         """The description of its task."""
@@ -49,7 +81,8 @@ class Experiment(Settings):
     @property
     def parts(self) -> tuple[str, ...]:
         """What its cells have beside what its task has, of `SOME_CELLS`."""
-        return (PHASES_PART,) if self.phases else ()
+        toggle = any(getattr(phase, "doors", None) for phase in self.phases)
+        return (*((PHASES_PART,) if self.phases else ()), *((DOORS,) if toggle else ()))
 
     def going_on(self, task: Any, other: Any) -> Any:
         """The task with another human, `other`, in which what `task`, the first one, keeps for itself goes on."""
@@ -58,7 +91,7 @@ class Experiment(Settings):
     @property
     def played_as(self) -> str:
         """What of its settings decides the types that its loop is compiled for; empty by default."""
-        return ""
+        return "-".join(dict.fromkeys(filter(None, (_type_of(lab) for lab in self.labs))))
 
     @property
     def assembled(self) -> bool:
@@ -176,6 +209,21 @@ class Experiment(Settings):
         return agent.restore(setting, saved)
 
 
+def _type_of(lab: Lab) -> str:
+    """What tells the types of its record from those of an open lab."""
+    return ("doors" if isinstance(lab.doors, Doors) else "walls") if isinstance(lab.walls, Walls) else ""
+
+
+class InLab(Experiment):
+    """What takes place in a lab that may be chosen."""
+
+    lab: Name = Field(
+        default=PAPER_LAB,
+        description="where it takes place: one of `labs`, or the paper's lab",
+        json_schema_extra=since("0.2.0"),
+    )
+
+
 def lab_of(settings: Experiment) -> Lab:
     """The lab that an experiment takes place in, and that the sizes of its modules are of."""
-    return paper_lab()
+    return settings.lab_in()

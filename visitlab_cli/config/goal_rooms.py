@@ -1,42 +1,102 @@
-"""The goal rooms of a visit, as the YAML may say them."""
+"""The rooms that goals are drawn from: all that a lab has, or some by their numbers or letters."""
 
-from typing import Annotated, Any
+from collections.abc import Iterator, Mapping
+from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BeforeValidator, Field, WithJsonSchema
+from pydantic import AfterValidator, BeforeValidator, WithJsonSchema
 
-from visitlab_cli.config.names import distinct
-from visitlab_cli.world.lab import paper_lab
+from visitlab_cli.config.labs import LabSettings, layout_called
+from visitlab_cli.config.names import PAPER_LAB
+from visitlab_cli.wording import shown
+from visitlab_cli.world.map_faults import LETTERS, MOST_ROOMS
 
-N_ROOMS = paper_lab().n_rooms
-
-
-Room = Annotated[int, Field(ge=0, lt=N_ROOMS)]
-
-
-def _all_rooms(rooms: Any) -> Any:
-    if isinstance(rooms, list | tuple):
-        return tuple(rooms)  # a tuple field takes no list from a validator
-    if rooms == "all":
-        return tuple(range(N_ROOMS))
-    raise ValueError("must be all or a list of rooms")
+ALL: Literal["all"] = "all"
+Rooms = tuple[int | str, ...] | Literal["all"]
+"""Numbers or letters."""
 
 
-GoalRooms = Annotated[
-    tuple[Room, ...],
-    Field(min_length=2),
-    AfterValidator(distinct),
-    BeforeValidator(_all_rooms),
-    WithJsonSchema(
+def _room(given: Any) -> int | str:
+    is_number = isinstance(given, int) and not isinstance(given, bool)
+    if is_number or (isinstance(given, str) and given in LETTERS and len(given) == 1):
+        return given  # type: ignore[no-any-return]
+    raise ValueError(f"must be a room: its number, or its letter, A to Z (got {shown(given)})")
+
+
+def _as_rooms(given: Any) -> Any:
+    if given == ALL:
+        return ALL
+    if not isinstance(given, list | tuple):
+        raise ValueError("must be all or a list of rooms")
+    if given == []:
+        raise ValueError("must have at least 2 entries (got 0)")
+    return tuple(given)  # a tuple field takes no list from a validator
+
+
+def _several(rooms: Rooms) -> Rooms:
+    if rooms == ALL:
+        return rooms
+    for place, room in enumerate(rooms):
+        if room in rooms[:place]:
+            raise ValueError(f"has {room} twice")
+    if len(rooms) == 1:
+        raise ValueError("must have at least 2 entries (got 1)")
+    return rooms
+
+
+_SCHEMA = {
+    "anyOf": [
+        {"const": ALL},
         {
-            "anyOf": [
-                {"const": "all"},
-                {
-                    "type": "array",
-                    "minItems": 2,
-                    "uniqueItems": True,
-                    "items": {"type": "integer", "minimum": 0, "maximum": N_ROOMS - 1},
-                },
-            ]
-        }
-    ),
+            "type": "array",
+            "minItems": 2,
+            "uniqueItems": True,
+            "items": {
+                "anyOf": [
+                    {"type": "integer", "minimum": 0, "maximum": MOST_ROOMS - 1},
+                    {"type": "string", "pattern": "^[A-Z]$"},
+                ]
+            },
+        },
+    ]
+}
+GoalRooms = Annotated[
+    tuple[Annotated[Any, BeforeValidator(_room)], ...] | Literal["all"],
+    AfterValidator(_several),
+    BeforeValidator(_as_rooms),
+    WithJsonSchema(_SCHEMA),
 ]
+
+
+def numbered(rooms: Rooms, lab: str, labs: Mapping[str, LabSettings]) -> tuple[int, ...] | Literal["all"]:
+    """The numbers of rooms in a lab as they are given; `all` where that is each of them: one setting has one spelling.
+
+    In the paper's lab that spelling is their numbers.
+    """
+    layout, no_goals, closed = layout_called(lab, labs)
+    goals = tuple(layout.goals(no_goals, closed))
+    numbers = goals
+    if rooms != ALL:
+        numbers = tuple(layout.letters.index(room) if isinstance(room, str) else room for room in rooms)
+    return ALL if lab != PAPER_LAB and numbers == goals else numbers
+
+
+def wrong_rooms(rooms: Rooms, lab: str, labs: Mapping[str, LabSettings]) -> Iterator[tuple[int | None, str]]:
+    """What is wrong with goal rooms in a lab: the place of one among them, None for all, and a message."""
+    layout, no_goals, closed = layout_called(lab, labs)
+    goals, known = layout.goals(no_goals, closed), layout.letters
+    numbers: list[int] = []
+    for place, room in enumerate(() if rooms == ALL else rooms):
+        if isinstance(room, str) and room not in known:
+            yield place, f"no room is called {room}; there are {', '.join(known)}"
+        elif isinstance(room, int) and room < 0:
+            yield place, f"must be at least 0 (got {room})"
+        elif isinstance(room, int) and room >= len(known):
+            yield place, f"must be less than {len(known)} (got {room})"
+        else:
+            number = known.index(room) if isinstance(room, str) else room
+            if number in numbers:
+                yield None, f"has {known[number]} twice, as {number} and as its letter"
+            elif number not in goals:
+                shut = f"can't be reached while {' and '.join(closed)} is closed"
+                yield place, f"room {known[number]} {'is a corridor' if known[number] in no_goals else shut}"
+            numbers.append(number)

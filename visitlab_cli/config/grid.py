@@ -9,8 +9,10 @@ from typing import Any, NamedTuple
 
 from visitlab_cli.config.building import check
 from visitlab_cli.config.canonical import canonical
-from visitlab_cli.config.experiments import Visit
+from visitlab_cli.config.goal_rooms import ALL, numbered
 from visitlab_cli.config.model import Config
+from visitlab_cli.config.names import PAPER_LAB
+from visitlab_cli.config.visits import Visit
 from visitlab_cli.errors import ConfigError
 from visitlab_cli.kinds import KIND
 from visitlab_cli.settings import at_default
@@ -26,7 +28,7 @@ LONGEST_LABEL = 40
 LONGEST_PATH = 1000
 MOST_PATHS = 64
 LONGEST_COUNT = 10**15
-SECTIONS = ("humans", "agents", "experiments", "interaction")
+SECTIONS = ("humans", "labs", "agents", "experiments", "interaction")
 """What may vary."""
 
 
@@ -87,6 +89,8 @@ class _Frame:
             for option in Visit.planning_options:  # a point may have a social module that does not plan
                 if experiment.get(option) == getattr(Visit.model_fields.get(option), "default", None):
                     experiment.pop(option, None)
+            if experiment.get("goal_rooms") == list(numbered(ALL, PAPER_LAB, {})):  # a point may be in another lab
+                experiment.pop("goal_rooms")
 
     def at(self, point: dict[str, Any]) -> dict[str, Any]:
         """The plain config at a point; what a path leads through is a copy."""

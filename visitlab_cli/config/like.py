@@ -6,7 +6,7 @@ from visitlab_cli.yaml.document import Node
 from visitlab_cli.yaml.problems import Issue, Path, dotted
 
 LIKE = "like"
-SECTIONS = {"humans": "human", "agents": "agent"}
+SECTIONS = {"humans": "human", "labs": "lab", "agents": "agent"}
 LONGEST_CHAIN = 32
 MOST_TAKEN_OVER = 20_000
 

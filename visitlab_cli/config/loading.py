@@ -21,7 +21,9 @@ OWN_KEYS = ("name", "seed", "seeds", "record")
 EXPECTED = "expected"
 HARMLESS = ("seed", "seeds")
 """What may be overridden without making the expected values meaningless."""
-SECTIONS = Sections({"humans": "human", "agents": "agent", "experiments": "experiment"}, dotted=("vary",))
+SECTIONS = Sections(
+    {"humans": "human", "labs": "lab", "agents": "agent", "experiments": "experiment"}, dotted=("vary",)
+)
 
 
 def load(name: str | Path, overrides: Sequence[str] = ()) -> Config:

@@ -7,6 +7,7 @@ from typing import Any, Literal, get_args, get_origin
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
+from visitlab_cli.config.labs import MapError
 from visitlab_cli.config.model import Config
 from visitlab_cli.config.names import MODULE_PATTERN, MODULE_RULE, NAME_RULE
 from visitlab_cli.kinds import KIND, UNSAID
@@ -14,7 +15,7 @@ from visitlab_cli.settings import key_of, keys_of
 from visitlab_cli.wording import MEANT, or_else, shown
 from visitlab_cli.yaml.problems import Issue, Path
 
-EXTRA_KEYS: dict[str, tuple[str, ...]] = {"": ("include",), "humans": ("like",), "agents": ("like",)}
+EXTRA_KEYS: dict[str, tuple[str, ...]] = {"": ("include",), "humans": ("like",), "labs": ("like",), "agents": ("like",)}
 """Keys that are resolved before validation."""
 
 OF_OTHERS = "; for one of somebody else's install its package, or name its file by --plugin"
@@ -40,7 +41,16 @@ _TYPES = {
 
 def issues_of(error: ValidationError, model: type[Config] = Config) -> list[Issue]:
     """What pydantic found wrong with a config of the type `model`, as issues of the config."""
-    return [_issue(each, model) for each in error.errors(include_url=False) if not _is_echo(each)]
+    found = [each for each in error.errors(include_url=False) if not _is_echo(each)]
+    return [issue for each in found for issue in (_of_map(each, model) or [_issue(each, model)])]
+
+
+def _of_map(error: ErrorDetails, config: type[Config]) -> list[Issue]:
+    """The faults of a map, each where it stands in it; none of what is no map."""
+    cause = error.get("ctx", {}).get("error")
+    faults = cause.faults if isinstance(cause, MapError) else ()
+    path = _without_tags(error["loc"], config)
+    return [Issue(path, fault.message, within=(fault.line, fault.column)) for fault in faults]
 
 
 def _is_echo(error: ErrorDetails) -> bool:
@@ -142,5 +152,5 @@ def _has_tag(model: type[BaseModel], tag: str | int) -> bool:
 @cache
 def _tagged_sections(config: type[Config]) -> list[str]:
     """Where the name of an entry is followed by which of several models it is of, in pydantic's paths."""
-    sections = ("humans", "agents", "experiments")
+    sections = ("humans", "labs", "agents", "experiments")
     return [section for section in sections if len(list(_models(config.model_fields[section].annotation))) > 1]

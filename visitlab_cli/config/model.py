@@ -7,9 +7,10 @@ from pydantic import AfterValidator, Discriminator, Field, JsonValue, Tag
 
 from visitlab_cli.agents.registry import AnyAgent
 from visitlab_cli.config.experiments import AnyExperiment
+from visitlab_cli.config.labs import AnyLab
 from visitlab_cli.config.names import LOG_ENDING, RESERVED_EXPERIMENTS, RESERVED_RUNS, Name
 from visitlab_cli.humans.registry import AnyHuman
-from visitlab_cli.settings import Settings
+from visitlab_cli.settings import Settings, since
 from visitlab_cli.world.geometry import DISTANCES
 
 
@@ -109,6 +110,9 @@ class Config(Settings):
     seed: int = Field(default=0, ge=0, lt=2**63, description="root of every random number")
     seeds: int = Field(default=1, ge=1, le=100_000, description="independent repetitions of each cell")
     humans: dict[Name, AnyHuman] = Field(default={}, description="the humans, by name")
+    labs: dict[Name, AnyLab] = Field(
+        default={}, description="labs other than the paper's, by name", json_schema_extra=since("0.2.0")
+    )
     agents: dict[Name, AnyAgent] = Field(min_length=1, description="the learning agents, by name")
     experiments: dict[ExperimentName, AnyExperiment] = Field(min_length=1, description="trainings and visits, by name")
     interaction: Interaction = Field(default=Interaction(), description="distances of the interaction")

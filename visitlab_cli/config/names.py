@@ -39,6 +39,10 @@ LOG_ENDING = ".mcap"
 """How a word ends that means a log there."""
 
 
+PAPER_LAB = "paper"
+"""The name of the paper's lab, which needs no declaration."""
+
+
 class Module(NamedTuple):
     """A trained module of a visit: the experiment that trains it, the agent, in the social task the human."""
 

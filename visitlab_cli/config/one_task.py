@@ -11,7 +11,7 @@ from visitlab_cli.humans.base import HumanParameters
 from visitlab_cli.world.columns import ENGAGEMENT
 from visitlab_cli.world.tasks import GO_TO_HUMAN, NAVIGATION, SOCIAL, TASKS, VISIT
 
-HUMAN, AGENT, NAME, LENGTH = "human", "nobody", "task", "steps"
+HUMAN, LAB, AGENT, NAME, LENGTH = "human", "lab", "nobody", "task", "steps"
 
 
 class OneTask(NamedTuple):
@@ -28,6 +28,7 @@ def one_task(
     distances: Sequence[int],
     human: Mapping[str, Any] | None = None,
     others: Mapping[str, Any] | None = None,
+    lab: Mapping[str, Any] | str | None = None,
 ) -> OneTask:
     """Check the settings of a task, those left out being the defaults.
 
@@ -37,6 +38,7 @@ def one_task(
         distances: the four thresholds of distance, in cells.
         human: whom the robot meets, as an entry of a config; in social and visit there must be one.
         others: humans, as entries by name, that this one may be like.
+        lab: where it takes place, as an entry of a config, or a map itself; the paper's unless given. Not for social.
 
     Raises:
         UsageError: a setting is unknown or wrong; a line for each, without the places of a config.
@@ -45,6 +47,12 @@ def one_task(
         name: {"task": name, "agents": [AGENT]} for name in (NAVIGATION, GO_TO_HUMAN, SOCIAL)
     }
     experiments[SOCIAL] |= {"humans": [HUMAN]}
+    labs: dict[str, Any] = {}
+    if lab is not None:
+        labs = {LAB: {"map": lab} if isinstance(lab, str) else dict(lab)}
+        for name in (NAVIGATION, GO_TO_HUMAN):
+            experiments[name]["lab"] = LAB
+        settings = {**settings, "lab": LAB}
     if task == VISIT:
         modules = {name: f"{name}/{AGENT}" for name in experiments}
         experiments[VISIT] = {"task": VISIT, "modules": modules, "humans": [HUMAN], **settings}
@@ -54,6 +62,7 @@ def one_task(
     config = {
         "name": NAME,
         "agents": {AGENT: {"kind": "random"}},
+        "labs": labs,
         "humans": {**(others or {}), **({} if human is None else {HUMAN: dict(human)})},
         "experiments": experiments,
         "interaction": {"distances": list(distances)},
@@ -72,5 +81,5 @@ def one_task(
 def _in_words(problem: Mapping[str, Any]) -> str:
     """What is wrong with which argument."""
     path = str(problem["path"] or "").split(".")
-    named = {"experiments": path[2:], "humans": path[1:], "interaction": path[1:]}.get(path[0], path)
+    named = {"experiments": path[2:], "humans": path[1:], "labs": path[1:], "interaction": path[1:]}.get(path[0], path)
     return f"{'.'.join(named)}: {problem['message']}"

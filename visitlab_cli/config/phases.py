@@ -1,12 +1,14 @@
-"""The phases of an experiment: stretches of trials that one agent lives through, each with its own human."""
+"""The phases of an experiment: stretches of trials that one agent lives through, each with its own human and lab."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Annotated, Any, Self
 
-from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
+from pydantic import Field, SerializerFunctionWrapHandler, field_validator, model_serializer, model_validator
 
 from visitlab_cli.agents.base import AgentParameters
+from visitlab_cli.config.labs import Door
 from visitlab_cli.config.names import Name
+from visitlab_cli.humans.base import Probability
 from visitlab_cli.settings import Settings, since
 from visitlab_cli.wording import or_else
 from visitlab_cli.world.columns import ENGAGEMENT
@@ -34,6 +36,10 @@ class Phase(Settings):
     @model_serializer(mode="wrap")
     def _said(self, whole: SerializerFunctionWrapHandler) -> dict[str, Any]:
         return {name: value for name, value in whole(self).items() if value is not None}
+
+    def __hash__(self) -> int:
+        """Of all that it says; `doors` are a mapping."""
+        return hash(self.model_dump_json())
 
     @property
     def met(self) -> str:
@@ -75,13 +81,39 @@ class TrainingPhase(Phase):
         return self.model_copy(update={"trials": 1, "steps": None})
 
 
+class InLabPhase(Phase):
+    """A phase of what takes place in a lab."""
+
+    lab: Name = Field(
+        default=UNSAID,
+        validate_default=False,
+        description="the lab in this phase, of the same cells and rooms; left out: the experiment's",
+    )
+    doors: dict[Door, Probability] = Field(
+        default=UNSAID,
+        validate_default=False,
+        min_length=1,
+        description="how likely each of some doors is opened or shut before a trial, the first included, as in "
+        "{BE: 0.005}",
+    )
+
+    @field_validator("doors")
+    @classmethod
+    def _in_order(cls, doors: dict[str, float]) -> dict[str, float]:
+        return dict(sorted(doors.items()))
+
+
+class ModulePhase(TrainingPhase, InLabPhase):
+    """A phase of a training in a lab."""
+
+
 class SocialPhase(TrainingPhase):
     """A phase of a training with a human."""
 
     human: Name = Field(description="the human that is met in this phase")
 
 
-class VisitPhase(Phase):
+class VisitPhase(InLabPhase):
     """A phase of a visit."""
 
     trials: int = Field(ge=1, le=10**9, description="trials of this phase")
@@ -97,6 +129,7 @@ _Several = Field(
     json_schema_extra=since("0.2.0"),
 )
 TrainingPhases = Annotated[tuple[TrainingPhase, ...], _Several]
+ModulePhases = Annotated[tuple[ModulePhase, ...], _Several]
 SocialPhases = Annotated[tuple[SocialPhase, ...], _Several]
 VisitPhases = Annotated[tuple[VisitPhase, ...], _Several]
 

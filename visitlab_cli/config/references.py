@@ -5,9 +5,12 @@ from typing import Any, NamedTuple
 
 from visitlab_cli.agents.base import AgentParameters
 from visitlab_cli.config.controller import FARTHEST
-from visitlab_cli.config.experiments import MODULE_TASKS, SocialTraining, Visit
+from visitlab_cli.config.experiments import SocialTraining
+from visitlab_cli.config.labs import LabSettings
 from visitlab_cli.config.names import module
 from visitlab_cli.config.phases import PHASES, wrong_phases
+from visitlab_cli.config.places import lab_issues, place_issues
+from visitlab_cli.config.visits import MODULE_TASKS, Visit
 from visitlab_cli.humans.base import HumanParameters
 from visitlab_cli.settings import key_of
 from visitlab_cli.simulation.controller import LEAD, MASK, PLAN
@@ -26,6 +29,7 @@ class Declared(NamedTuple):
     expected: Iterable[str] = ()
     farthest: int = 0
     """The largest of the distances of interaction, in cells, where they are right in themselves."""
+    labs: Mapping[str, LabSettings | None] = {}
 
 
 def issues(declared: Declared) -> list[Issue]:
@@ -33,6 +37,7 @@ def issues(declared: Declared) -> list[Issue]:
     found: list[Issue] = []
     for section, entries in zip(Declared._fields, declared[:3], strict=False):
         found += _same_folder(section, entries)
+    found += lab_issues(declared.labs)
     for name, agent in declared.agents.items():
         if agent is not None:
             found += _agent(("agents", name), agent, declared)
@@ -48,6 +53,7 @@ def issues(declared: Declared) -> list[Issue]:
             found += wrong_phases(path, experiment, declared.humans, [each for each in players if each is not None])
             humans = getattr(experiment, "humans", ())
             found += _each_declared("human", (*path, "humans"), humans, declared.humans)
+            found += place_issues(path, experiment, declared.experiments, declared.labs)
         if experiment is not None and experiment.assembled:
             found += _visit(path, experiment, declared)
     for cell in declared.expected:

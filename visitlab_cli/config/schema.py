@@ -40,7 +40,7 @@ def schema() -> dict[str, Any]:
     start = result["$defs"]["SocialTraining"]["properties"]["start_from"]
     del start["default"]  # null, which nobody may write
     start |= next(each for each in start.pop("anyOf") if each["type"] == "string")
-    for name in ("TrainingPhase", "SocialPhase", "VisitPhase"):
+    for name in ("ModulePhase", "SocialPhase", "VisitPhase"):
         for setting in result["$defs"][name]["properties"].values():
             setting.pop("default", None)  # null, likewise
     for name in ("NavigationTraining", "GoToHumanTraining", "SocialTraining", "Visit"):
@@ -49,7 +49,7 @@ def schema() -> dict[str, Any]:
         if "humans" in training["properties"]:
             del training["properties"]["humans"]["default"]
             training["oneOf"] = [{"required": ["humans"]}, {"required": ["phases"]}]
-    for section in ("humans", "agents", "experiments"):
+    for section in ("humans", "labs", "agents", "experiments"):
         result["properties"][section]["additionalProperties"] = False  # what is no name
     result["required"] = ["name"]
     result["anyOf"] = [{"required": ["agents", "experiments"]}, {"required": ["include"]}]

@@ -1,6 +1,6 @@
 """The one place where a config becomes the arrays and numbers that kernels take."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -10,15 +10,20 @@ from visitlab_cli.config.experiment import Site, lab_of
 from visitlab_cli.errors import RunError
 from visitlab_cli.plan.cells import Cell
 from visitlab_cli.plan.saved import setting_of
+from visitlab_cli.world.lab import ALL_OPEN, Lab, open_at_first
 from visitlab_cli.world.tasks import SOCIAL, TASKS
 
 
 class Stretch(NamedTuple):
-    """What the loop plays until a step of the cell; the agents of all stretches share their arrays."""
+    """What the loop plays until a step of the cell; the agents of all stretches share their arrays.
+
+    It begins with `open_doors` open, whatever was before.
+    """
 
     task: Any
     agent: Any
     until: int
+    open_doors: int = ALL_OPEN
 
 
 class Simulation(NamedTuple):
@@ -57,12 +62,12 @@ def build(cell: Cell, models: Mapping[str, Saved]) -> Simulation:
         shape = expected if table is None else table.shape
         if shape != expected:
             raise RunError(f"{cell.path}: the {module} model has a table of {shape}, not {expected}")
-    tasks: dict[str, Any] = {}
-    for name in cell.humans or ("",):
+    tasks: dict[tuple[str, Lab], Any] = {}
+    for name, place in _scenes(cell):
         declared = config.humans[name] if name else None
         human = declared.create() if declared else None
-        task = settings.task_in(Site(lab, human, config.interaction.distances, tables, learned, declared))
-        tasks[name] = settings.going_on(next(iter(tasks.values())), task) if tasks else task
+        task = settings.task_in(Site(place, human, config.interaction.distances, tables, learned, declared))
+        tasks[name, place] = settings.going_on(next(iter(tasks.values())), task) if tasks else task
     learner = settings.parameters_of(config.agents[cell.agent])
     parameters: Player = cell.player if cell.frozen else learner
     setting = setting_of(cell)
@@ -81,5 +86,14 @@ def build(cell: Cell, models: Mapping[str, Saved]) -> Simulation:
         until += trials * settings.trial_steps
         replans = phase.plan_every is not None and learner.plans and not cell.frozen
         player = learner.planning_every(agent, phase.plan_every) if replans else agent
-        stretches.append(Stretch(tasks[phase.met], player, until))
+        place = settings.lab_in(phase)
+        stretches.append(Stretch(tasks[phase.met, place], player, until, open_at_first(place)))
     return Simulation(stretches, parameters, settings.n_trials)
+
+
+def _scenes(cell: Cell) -> Iterable[tuple[str, Lab]]:
+    """Whom a cell meets, '' for nobody, and in which lab, each of both once, in their order."""
+    settings = cell.settings
+    if settings.phases:
+        return dict.fromkeys((phase.met, settings.lab_in(phase)) for phase in settings.phases)
+    return [(name, lab_of(settings)) for name in cell.humans or ("",)]

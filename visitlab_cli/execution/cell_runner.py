@@ -79,8 +79,9 @@ def simulate(
     columns = empty_columns(BLOCK_ROWS)
     trial_rewards = np.zeros(simulation.trials)
     cursor, playing = START, 0.0
-    for number, (task, agent, until) in enumerate(simulation.stretches):
+    for number, (task, agent, until, open_doors) in enumerate(simulation.stretches):
         columns.phase[:] = number
+        cursor = cursor._replace(scene=cursor.scene._replace(open_doors=open_doors))
         while cursor.steps < until:
             begun = time.perf_counter()
             try:

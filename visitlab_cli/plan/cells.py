@@ -196,4 +196,5 @@ def _used(config: Config, place: Module) -> set[str]:
     used |= {f"humans.{human}" for human in settings.humans_met(place.human or "")}
     if HUMAN in settings.plays.parts:
         used.add(INTERACTION)
+    used |= {f"labs.{lab}" for lab in settings.lab_names if lab in config.labs}
     return used.union(*(_used(config, start) for start in settings.starts.values()))
