@@ -1,5 +1,6 @@
 """`visitlab steps`: a recorded trial as a table, one step a line, in words."""
 
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from visitlab_cli.console.help import Help
@@ -51,7 +52,7 @@ def command(
     from visitlab_cli.log.reader import check_values, read_metadata, read_trial
     from visitlab_cli.plan.selection import Selection
     from visitlab_cli.replay.choice import choose_trial, find_logs
-    from visitlab_cli.scene.trial import lab_of_log, phase_of_log
+    from visitlab_cli.scene.trial import lab_of_steps, phase_of_log
 
     logs = find_logs(run, out, Selection(experiment, human, agent, seed, tuple(at or ())))
     chosen = choose_trial(logs, trial, phase)
@@ -59,7 +60,7 @@ def command(
     if chosen.note:
         tell(chosen.note, err=True)
     steps = read_trial(log.path, number)
-    lab = lab_of_log(log.path)
+    lab = lab_of_steps(log.path, steps)
     check_values(log.path, steps, read_metadata(log.path)["task"], lab)
     in_phase = phase_of_log(log.path, steps)
     if as_json:
@@ -87,9 +88,9 @@ def table(steps: "Steps", lab: "Lab") -> str:
     """A line for each step: what the task has of goal, desired direction, level; reward; what happens in words."""
     from visitlab_cli.scene.words import LEVEL_NAMES, captions, direction_name, room_name
 
-    columns = {"step": [str(step) for step in steps["step"]]}
+    columns: dict[str, list[str]] = {"step": [str(step) for step in steps["step"]]}
     for head, column, in_words in (
-        ("goal", "goal_room", room_name),
+        ("goal", "goal_room", partial(room_name, lab)),
         ("desired", "desired_direction", direction_name),
         ("level", "interaction_level", LEVEL_NAMES.__getitem__),
     ):

@@ -33,10 +33,15 @@ _ENTITIES = {
 
 
 def lab_entities(scene: Scene) -> list[Fields]:
-    """What stays as it is: the floor, and the rooms with their names."""
-    areas = [shape for shape in scene.place() if isinstance(shape, Area)]
+    """What stays as it is: the floor, the rooms with their names, walls, and doors that are shut."""
+    place = scene.place()
+    areas = [shape for shape in place if isinstance(shape, Area)]
     floors = [_slab(scene, area, -0.05, 0.1) for area in areas if area.role == Role.FLOOR]
-    walls = [_line(_raised(_northwards(scene, area.outline[:4])), INK, loop=True) for area in areas]
+    floors += [_slab(scene, area, _HEIGHT / 2, _HEIGHT) for area in areas if area.role == Role.SOLID]
+    outlined = [area for area in areas if area.style.width]
+    walls = [_line(_raised(_northwards(scene, area.outline[:4])), INK, loop=True) for area in outlined]
+    barred = [shape for shape in place if isinstance(shape, Line) and shape.role in (Role.WALL, Role.SHUT)]
+    floors += [_wall(scene, wall) for wall in barred]
     names = [_text(area.text, (*_at_northern_edge(scene, area), 0.1), INK) for area in areas if area.text]
     return [_entity("floor", LAB, cubes=floors, lines=walls, texts=names)]
 
@@ -152,6 +157,13 @@ def _slab(scene: Scene, area: Area, height: float, thickness: float) -> Fields:
     ((x, y),) = _northwards(scene, (area.corner + area.size / 2)[None])
     width, depth = map(float, area.size)
     return _box((x, y, height), (width, depth, thickness), area.style.colour)
+
+
+def _wall(scene: Scene, wall: Line) -> Fields:
+    """As high as a body."""
+    (x, y), (to_x, to_y) = _northwards(scene, wall.points)
+    size = (abs(to_x - x) + wall.style.width, abs(to_y - y) + wall.style.width, _HEIGHT)
+    return _box(((x + to_x) / 2, (y + to_y) / 2, _HEIGHT / 2), size, wall.style.colour)
 
 
 def _turn(heading: float) -> Fields:

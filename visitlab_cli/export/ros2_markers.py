@@ -34,10 +34,10 @@ def marker_array(messages: Messages, shapes: Iterable[Shape]) -> Any:
 def _area(messages: Messages, area: Area) -> list[Any]:
     width, depth = map(float, area.size)
     made = []
-    if area.role == Role.ROOM:
+    if area.role == Role.ROOM and area.style.width:
         outline = [messages.point(x, y, _THIN) for x, y in area.outline]
         made.append(_marker(messages, area.role, _LINES, area.style.colour, (_THIN, 0, 0), points=outline))
-    else:
+    elif area.role != Role.ROOM:
         x, y = area.corner + area.size / 2
         place = messages.pose(messages.point(x, y, _LEVELS.get(Role(area.role), 0)))
         made.append(_marker(messages, area.role, _CUBE, area.style.colour, (width, depth, _THIN), pose=place))

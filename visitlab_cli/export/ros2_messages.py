@@ -12,8 +12,10 @@ import numpy as np
 import numpy.typing as npt
 
 from visitlab_cli.scene.trial import Trial
+from visitlab_cli.scene.words import open_doors_in
 from visitlab_cli.world.enums import N_DIRECTIONS, Direction
-from visitlab_cli.world.lab import Lab, make_lab
+from visitlab_cli.world.lab import ALL_OPEN, SOLID, Lab, make_lab
+from visitlab_cli.world.sight import Doors
 
 FRAME = "map"
 STEP_NS = 1_000_000_000
@@ -69,17 +71,19 @@ class Messages:
         """The world as an occupancy grid, `PARTS` parts a cell: occupied along each side that can't be crossed."""
         trial = self.trial
         lab = trial.lab if trial.arena is None else make_lab(trial.arena, trial.arena)
-        cells = occupied(lab)[::-1]  # from the south on
+        cells = occupied(lab, open_doors_in(trial.steps))[::-1]  # from the south on
         height, width = cells.shape
         corner = self.point(0, trial.rows)
         info = self.make("nav_msgs/MapMetaData", self.stamp(), self.cell_size / PARTS, width, height, self.pose(corner))
         return self.make("nav_msgs/OccupancyGrid", self.header(), info, np.ascontiguousarray(cells).ravel())
 
 
-def occupied(lab: Lab) -> npt.NDArray[np.int8]:
-    """What can't be entered of a lab with open doors, from the north-west on: shape (rows * PARTS, cols * PARTS)."""
+def occupied(lab: Lab, open_doors: int = ALL_OPEN) -> npt.NDArray[np.int8]:
+    """What can't be entered of a lab, from the north-west on: shape (rows * PARTS, cols * PARTS)."""
     found = np.full((lab.rows, PARTS, lab.cols, PARTS), FREE, np.int8)
     closed = lab.reach == 0
+    if isinstance(lab.doors, Doors):
+        closed |= (lab.doors.needed & ~np.int64(open_doors)) != 0
     sides = {
         Direction.NORTH: found[:, 0],
         Direction.SOUTH: found[:, -1],
@@ -88,4 +92,5 @@ def occupied(lab: Lab) -> npt.NDArray[np.int8]:
     }
     for side, parts in sides.items():
         parts[closed[:, :, side]] = OCCUPIED
+    found.swapaxes(1, 2)[lab.rooms == SOLID] = OCCUPIED
     return found.reshape(lab.rows * PARTS, lab.cols * PARTS)

@@ -20,6 +20,7 @@ from visitlab_cli.world.columns import (
     ALWAYS,
     BOOL,
     COLUMNS,
+    DOORS,
     ENUM,
     FIXED32,
     FLOAT,
@@ -128,7 +129,12 @@ def proto_text() -> str:
     return "\n\n".join(blocks) + "\n"
 
 
-_WITH = {PHASES: "with phases", PLAN: "with a plan", MEMORY: "with a human who remembers"}
+_WITH = {
+    PHASES: "with phases",
+    DOORS: "with doors of a phase",
+    PLAN: "with a plan",
+    MEMORY: "with a human who remembers",
+}
 
 
 def tasks_in_words(column: Column) -> str:

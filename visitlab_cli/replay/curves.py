@@ -51,7 +51,7 @@ def draw_states(stage: Stage) -> None:
     actions = ["" if step == 0 else action_kind(int(action)) for step, action in enumerate(steps["action"])]
     _lane(stage, ACTION, ("", *ACTION_KINDS), ((60, 60, 60), *ACTION_COLOURS), actions)
     if stage.trial.has_goal:
-        names = [room_name(room) for room in range(stage.trial.lab.n_rooms)]
+        names = [room_name(stage.trial.lab, room) for room in range(stage.trial.lab.n_rooms)]
         colours = [ROOM_COLOURS[room % 2] for room in range(stage.trial.lab.n_rooms)]
         _lane(stage, GOAL_LANE, names, colours, [names[room] for room in steps["goal_room"]])
 
@@ -83,7 +83,7 @@ def _page(stage: Stage, step: int, caption: str) -> str:
     if stage.trial.has_engagement:
         facts.append(f"desired direction **{direction_name(int(steps['desired_direction'][step]))}**")
     if stage.trial.has_goal:
-        facts.append(f"goal **{room_name(int(steps['goal_room'][step]))}**")
+        facts.append(f"goal **{room_name(stage.trial.lab, int(steps['goal_room'][step]))}**")
     if steps["explored"][step]:
         facts.append("*drawn at random, to explore*")
     best = [_best_actions(stage.trial.q[int(steps["state"][step])])] if stage.trial.q is not None else []

@@ -62,10 +62,15 @@ def _draw_place(stage: Stage) -> None:
     place = stage.scene.place()
     tiles = [line for shape in of_role(place, Role.TILE) for line in _strip(shape)]
     areas = [shape for shape in of_role(place, Role.FLOOR, Role.ROOM) if isinstance(shape, Area)]
+    lines = [area.outline for area in areas if area.style.width]
     names = [stroke for area in areas if area.text for stroke in _name(area)]
     look: Any = {"colors": tiles[0].colour, "radii": tiles[0].radius, "draw_order": FLOOR}
     stage.fixed("lab/floor", rr.LineStrips2D([tile.points for tile in tiles], **look))
-    stage.fixed("lab/walls", rr.LineStrips2D([a.outline for a in areas], colors=WALL, radii=0.06, draw_order=WALLS))
+    stage.fixed("lab/walls", rr.LineStrips2D(lines, colors=WALL, radii=0.06, draw_order=WALLS))
+    parts = [line for shape in of_role(place, Role.SOLID, Role.WALL, Role.SHUT) for line in _strip(shape)]
+    if parts:
+        look = {"colors": [part.colour for part in parts], "radii": [part.radius for part in parts]}
+        stage.fixed("lab/parts", rr.LineStrips2D([part.points for part in parts], **look, draw_order=WALLS + 1))
     if names:
         stage.fixed("lab/names", rr.LineStrips2D(names, colors=NAME, radii=0.06, draw_order=WALLS))
 
@@ -160,7 +165,13 @@ def _draw_lines(
 
 
 def _strip(shape: Shape) -> list[Line]:
-    """A line, a shaft without a head, or a triangle filled with lines."""
+    """A line, a shaft without a head, a triangle filled with lines, or a row of cells as a broad one."""
+    if isinstance(shape, Area):
+        middle = np.array([0, shape.size[1].item() / 2], np.float32)
+        ends = np.array([shape.size[1].item() / 2, 0], np.float32)
+        across = np.array([shape.size[0].item(), 0], np.float32)
+        first, last = shape.corner + middle + ends, shape.corner + middle + across - ends
+        return [Line(np.stack([first, last]), shape.size[1].item() / 2, shape.style.colour)]
     if isinstance(shape, Polygon):
         first, second, third = shape.points
         downs = np.linspace(0, 1, 17, dtype=np.float32)

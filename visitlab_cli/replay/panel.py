@@ -30,10 +30,15 @@ def draw(axes: "Axes", scene: Scene, step: int) -> None:
     x_range, y_range = scene.view
     axes.set(xlim=x_range, ylim=y_range[::-1], aspect="equal", xticks=[], yticks=[])
     shapes: Sequence[Shape] = [*scene.moment(step), *scene.place()]
-    for shape in shapes:
-        _draw(shape, axes)
+    draw_shapes(axes, shapes)
     for sight in (shape for shape in shapes if isinstance(shape, Sight)):
         _draw_sight(axes, sight, scene)
+
+
+def draw_shapes(axes: "Axes", shapes: Sequence[Shape]) -> None:
+    """Draw shapes, but for the sight; x eastwards, y southwards, in cells."""
+    for shape in shapes:
+        _draw(shape, axes)
 
 
 @singledispatch
@@ -44,10 +49,11 @@ def _draw(shape: object, axes: "Axes") -> None:
 @_draw.register(Area)
 def _draw_area(shape: Area, axes: "Axes") -> None:
     """Walls as lines, goal rooms filled, names in the corner."""
-    if shape.role in (Role.GOAL, Role.REACHED):
+    if shape.role in (Role.GOAL, Role.REACHED, Role.SOLID):
         axes.fill(*shape.outline[:4].T, color=shares(shape.style.colour), linewidth=0, zorder=0.5)
         return
-    axes.plot(*shape.outline.T, color="0.55", linewidth=0.5, zorder=2)
+    if shape.style.width:
+        axes.plot(*shape.outline.T, color="0.55", linewidth=0.5, zorder=2)
     x, y = shape.corner
     axes.text(x + 0.4, y + 0.35, shape.text, fontsize=LETTERS, color="0.6", va="top")
 

@@ -16,11 +16,13 @@ from visitlab_cli.scene.colours import (
     HUMAN,
     REACHED_FLOOR,
     ROBOT,
+    SHUT,
     VISUAL_FIELD,
     shares,
 )
 from visitlab_cli.scene.moments import left_out, moments, strip_steps
 from visitlab_cli.scene.scene import Scene
+from visitlab_cli.scene.shapes import Role
 from visitlab_cli.scene.trial import Trial, load_trial
 from visitlab_cli.scene.words import LEVEL_NAMES, action_name, direction_name
 from visitlab_cli.whole_file import write_again
@@ -78,13 +80,15 @@ def draw_strip(trial: Trial, steps: Sequence[int]) -> "Figure":
     entries = len(handles) if sum(widths) <= width else min(len(handles), max(1, int(width / max(widths))))
     missing = left_out(trial.steps, steps, trial.lab)
     key = KEY_GAP + KEY_LINE * (-(-len(handles) // entries) + bool(missing))
-    height = rows * (PANEL + TITLE + GAP) + GAP + key
+    scene = Scene(trial)
+    (left, right), (upper, lower) = scene.view
+    panel_height = PANEL * min(1.0, (lower - upper) / (right - left))
+    height = rows * (panel_height + TITLE + GAP) + GAP + key
     figure = Figure(figsize=(width, height))
     grid = figure.subplots(rows, columns, squeeze=False)
     top, bottom = 1 - (TITLE + GAP) / height, (GAP + key) / height
     figure.subplots_adjust(left=GAP / width, right=1 - GAP / width, top=top, bottom=bottom)
-    figure.subplots_adjust(wspace=GAP / PANEL, hspace=(TITLE + GAP) / PANEL)
-    scene = Scene(trial)
+    figure.subplots_adjust(wspace=GAP / PANEL, hspace=(TITLE + GAP) / panel_height)
     for axes in grid.flat[len(steps) :]:
         axes.set_axis_off()
     for axes, step in zip(grid.flat, steps, strict=False):
@@ -125,6 +129,8 @@ def _key(trial: Trial) -> list[Any]:
         handles.append(Line2D([], [], markeredgecolor=shares(HUMAN), label="where the plan wants the human", **square))
     if trial.has_goal:
         handles.append(Patch(facecolor=shares(GOAL_FLOOR), label="goal"))
+    if any(shape.role == Role.SHUT for shape in Scene(trial).place()):
+        handles.append(Line2D([], [], color=shares(SHUT), linewidth=1.6, label="shut door"))
     if trial.plays.counts_goals:
         handles.append(Patch(facecolor=shares(REACHED_FLOOR), label="just reached"))
     return handles

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from visitlab_cli.config.experiment import lab_of
 from visitlab_cli.log.reader import check_values, read_trial
 from visitlab_cli.plan.cells import Cell
 from visitlab_cli.plan.saved import trials_of
@@ -15,7 +14,7 @@ from visitlab_cli.results.groups import Group
 from visitlab_cli.results.varying import BETWEEN, Varying, varying
 from visitlab_cli.scene.moments import moments
 from visitlab_cli.scene.scene import Scene
-from visitlab_cli.scene.shapes import Area, Arrow, Body, Role, Shape, Sight, Speech, Vectors
+from visitlab_cli.scene.shapes import Area, Arrow, Body, Line, Role, Shape, Sight, Speech, Vectors
 from visitlab_cli.scene.trial import Trial
 from visitlab_cli.scene.words import Steps, captions
 from visitlab_cli.storage.cell_folder import STEPS, read_cell
@@ -64,7 +63,8 @@ def _best_of(run: Path, group: Group, varied: Varying) -> list[dict[str, Any]]:
 def _plain(run: Path, name: str, cell: Cell, number: int, reward: float) -> dict[str, Any]:
     log = run / cell.path / STEPS
     whole = read_trial(log, number)
-    lab = lab_of(cell.settings)
+    phases = cell.settings.phases
+    lab = cell.settings.lab_in(phases[int(whole["phase"][0])] if phases else None)
     check_values(log, whole, cell.task, lab)
     steps: Steps = {column: values[: MOST_STEPS + 1] for column, values in whole.items()}
     trial = Trial(log, cell.path, cell.task, number, steps, lab, tuple(cell.config.interaction.distances))
@@ -75,9 +75,28 @@ def _plain(run: Path, name: str, cell: Cell, number: int, reward: float) -> dict
         "goals": reward,
         "steps": len(whole["step"]) - 1,
         "columns": {column: steps[column].astype(int).tolist() for column in COLUMNS},
+        "place": plain_place(trial),
         "scene": plain_scene(trial),
         "captions": captions(steps, lab),
         "moments": [list(moment) for moment in moments(steps, lab)],
+    }
+
+
+def plain_place(trial: Trial) -> dict[str, Any]:
+    """What stays as it is in a trial: rooms and solid cells as x, y, width, height, rooms with their name; lines."""
+    shapes = Scene(trial).place()
+    areas = [shape for shape in shapes if isinstance(shape, Area)]
+    boxes = {role: [each for each in areas if each.role == role] for role in (Role.FLOOR, Role.ROOM, Role.SOLID)}
+    (floor,) = boxes[Role.FLOOR]
+    lines = [shape for shape in shapes if isinstance(shape, Line)]
+    return {
+        "size": floor.size.tolist(),
+        "rooms": [[*_numbers(each), each.text, bool(each.style.width)] for each in boxes[Role.ROOM]],
+        "solid": [_numbers(each) for each in boxes[Role.SOLID]],
+        **{
+            name: [line.points.tolist() for line in lines if line.role == role]
+            for name, role in (("tiles", Role.TILE), ("walls", Role.WALL), ("shut", Role.SHUT))
+        },
     }
 
 

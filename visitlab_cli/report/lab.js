@@ -11,8 +11,9 @@ function sector(radius, degrees) {
 }
 
 class Lab {
-  constructor() {
-    const { size: [width, height], tiles, rooms, flag } = STORY;
+  constructor(place) {
+    const { size: [width, height], tiles, rooms, solid, walls, shut } = place, { flag } = STORY;
+    this.place = place;
     const area = (kind) => svg("rect", { class: kind });
     [this.goal, this.reached] = [area("goal"), area("reached")];
     this.flag = svg("g", { class: "flag" }, svg("polygon", { class: "cloth", points: points(flag.cloth) }), svg("polyline", { class: "pole", points: points(flag.pole) }));
@@ -29,7 +30,10 @@ class Lab {
     this.node = svg("svg", { class: "lab", viewBox: `-0.3 -0.3 ${width + 0.6} ${height + 0.6}`, role: "img", "aria-label": "The lab from above" },
       svg("rect", { class: "floor", width, height }), this.goal, this.reached,
       ...tiles.map((ends) => svg("polyline", { class: "tile", points: points(ends) })),
-      ...rooms.map(([x, y, width, height]) => svg("rect", { class: "wall", x, y, width, height })), ...this.names,
+      ...rooms.filter((room) => room[5]).map(([x, y, width, height]) => svg("rect", { class: "wall", x, y, width, height })), ...this.names,
+      ...solid.map(([x, y, width, height]) => svg("rect", { class: "solid", x, y, width, height })),
+      ...walls.map((ends) => svg("polyline", { class: "parts", points: points(ends) })),
+      ...shut.map((ends) => svg("polyline", { class: "shut", points: points(ends) })),
       this.flag, svg("svg", { class: "within", width, height }, this.sight), this.trails.human, this.trails.robot, this.desired, this.human, this.robot, this.bubbles.human, this.bubbles.robot);
   }
 
@@ -59,8 +63,8 @@ class Lab {
     const goal = scene.goal[step];
     cover(this.goal, goal);
     cover(this.reached, scene.reached[step]);
-    put(this.flag, goal[0], goal[1]);
-    this.names.forEach((name, i) => name.classList.toggle("is-goal", STORY.rooms[i][0] === goal[0] && STORY.rooms[i][1] === goal[1]));
+    put(this.flag, goal[0] + goal[2] - STORY.flag.foot[0], goal[1] + STORY.flag.foot[1]);
+    this.names.forEach((name, i) => name.classList.toggle("is-goal", i === trial.columns.goal_room[step]));
     for (const [who, now] of [["robot", robot], ["human", human]]) {
       const been = scene[who].slice(Math.max(0, step - STORY.trail), step + 1);
       this.trails[who].setAttribute("points", points([...been.map((shape) => shape.slice(0, 2)), now.slice(0, 2)]));
@@ -69,7 +73,7 @@ class Lab {
       const said = scene[`${who} says`][step] ?? "", bubble = this.bubbles[who];
       bubble.classList.toggle("shown", said !== "");
       bubble.lastChild.textContent = said;
-      put(bubble, Math.min(STORY.size[0] - 2.4, Math.max(2.4, now[0])), Math.max(2.6, now[1]));
+      put(bubble, Math.min(this.place.size[0] - 2.4, Math.max(2.4, now[0])), Math.max(2.6, now[1]));
     }
   }
 }

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 from visitlab_cli.colours import PALETTE
-from visitlab_cli.config.experiment import lab_of
 from visitlab_cli.origin import HTML
 from visitlab_cli.report.choices import Choices
 from visitlab_cli.report.curves import Chart
@@ -20,13 +19,11 @@ from visitlab_cli.report.markup import Html, element
 from visitlab_cli.report.results_table import results
 from visitlab_cli.report.sections import charts, head, repeat, trial, what_was_run
 from visitlab_cli.scene.colours import DESIRED, GOAL, HUMAN, LEVEL_COLOURS, ROBOT, css
-from visitlab_cli.scene.lab import goal_shapes, lab_shapes
+from visitlab_cli.scene.lab import CLOTH, FLAG_FOOT, POLE
 from visitlab_cli.scene.scene import TRAIL_STEPS
-from visitlab_cli.scene.shapes import Area, Line, Polygon, Role, Shape
 from visitlab_cli.scene.sight import FACES_DEGREES, SEES_DEGREES
 from visitlab_cli.scene.words import LEVEL_NAMES
 from visitlab_cli.world.enums import DISTANCE_NAMES
-from visitlab_cli.world.lab import Lab
 
 HERE = Path(__file__).parent
 STYLES = ("page.css", "tables.css", "parts.css")
@@ -63,7 +60,7 @@ def render(facts: Facts, curves: Sequence[Chart], trials: Sequence[dict[str, Any
         "charts": [chart.as_json() for chart in curves],
         "choices": choices.as_json(),
         "trials": list(trials),
-        "story": _story(lab_of(facts.cells[0].settings)),
+        "story": _story(),
     }
     body = element(
         "body",
@@ -122,25 +119,14 @@ def _data(values: Any) -> Html:
     return element("script", Html(escaped), type="application/json", id="data")
 
 
-def _story(lab: Lab) -> dict[str, Any]:
-    """The words and colours of a trial, and the lab's shapes."""
-    place = lab_shapes(lab)
-    flag = {
-        str(shape.role): shape.points.tolist() for shape in goal_shapes(lab, 0) if isinstance(shape, Line | Polygon)
-    }
+def _story() -> dict[str, Any]:
+    """The words and colours of trials."""
     return {
         "levels": list(zip(LEVEL_NAMES, map(css, LEVEL_COLOURS), strict=True)),
         "distances": DISTANCE_NAMES,
-        "rooms": [[*each.corner.tolist(), *each.size.tolist(), each.text] for each in _areas(place, Role.ROOM)],
-        "tiles": [shape.points.tolist() for shape in place if isinstance(shape, Line)],
-        "size": _areas(place, Role.FLOOR)[0].size.tolist(),
-        "flag": flag,
+        "flag": {"cloth": CLOTH, "pole": POLE, "foot": FLAG_FOOT},
         "colours": {"robot": css(ROBOT), "human": css(HUMAN), "goal": css(GOAL), "desired": css(DESIRED)},
         "sees": SEES_DEGREES,
         "faces": FACES_DEGREES,
         "trail": TRAIL_STEPS,
     }
-
-
-def _areas(shapes: Sequence[Shape], role: Role) -> list[Area]:
-    return [shape for shape in shapes if isinstance(shape, Area) and shape.role == role]

@@ -7,7 +7,7 @@ class Player {
     this.trials = trials;
     this.time = 0;
     this.speed = SPEEDS.normal;
-    this.lab = new Lab();
+    this.lab = new Lab(trials[0].place);
     this.play = button("Play", () => this.run(!this.running), { class: "main", "aria-keyshortcuts": "Space" });
     this.slider = html("input", { type: "range", min: 0, step: 1, "aria-label": "Step", oninput: () => { this.run(false); this.go(+this.slider.value); } });
     this.line = svg("svg", { class: "timeline", preserveAspectRatio: "none", "aria-hidden": "true", onpointerdown: (event) => this.seek(event) });
@@ -39,7 +39,7 @@ class Player {
     };
     return html("ul", { class: "legend", "aria-label": "Colours" },
       seen("robot", "square", STORY.colours.robot), seen("human", "round", STORY.colours.human),
-      seen(`what it sees and, greener, faces (drawn up to ${this.trials[0].scene.sight[0][3]} cells; sight goes on)`, "sight"),
+      seen(`what it sees and, greener, faces (drawn up to ${this.trials[0].scene.sight[0][3]} cells; sight goes on, but never through a wall)`, "sight"),
       seen("goal room", "square", STORY.colours.goal), seen("where the human should go", "square", STORY.colours.desired),
       ...STORY.levels.map(([name, colour]) => seen(name, "level", colour)));
   }
@@ -47,6 +47,9 @@ class Player {
   choose(number) {
     this.run(false);
     this.trial = this.trials[number];
+    const lab = new Lab(this.trial.place);
+    this.lab.node.replaceWith(lab.node);
+    this.lab = lab;
     const { columns, steps, moments } = this.trial, shown = columns.reward.length - 1;
     this.last = shown;
     this.slider.max = shown;
@@ -77,7 +80,7 @@ class Player {
     mark.style.background = level[1];
     const fact = (name, ...value) => html("div", {}, html("dt", {}, name), html("dd", {}, ...value));
     this.facts.replaceChildren(fact("Step", `${step} of ${this.last}`), fact("Goals", String(goals)),
-      fact("Goal room", STORY.rooms[c.goal_room[step]][4]), fact("Level", mark, level[0]), fact("Distance", STORY.distances[c.distance[step]]));
+      fact("Goal room", this.trial.place.rooms[c.goal_room[step]][4]), fact("Level", mark, level[0]), fact("Distance", STORY.distances[c.distance[step]]));
     let current = -1;
     this.trial.moments.forEach(([at], i) => { if (at <= step) current = i; });
     this.jumps.forEach((jump, i) => {

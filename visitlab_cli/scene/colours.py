@@ -14,6 +14,7 @@ DESIRED: Colour = (170, 60, 140)
 INK: Colour = (45, 45, 50)
 FLOOR: Colour = (246, 246, 244)
 WALL: Colour = (120, 120, 125)
+SHUT: Colour = (150, 75, 20)
 TILE: Colour = (222, 222, 220)
 
 LEVEL_COLOURS: tuple[Colour, ...] = (

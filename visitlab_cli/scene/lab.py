@@ -1,14 +1,15 @@
-"""The place where a trial plays, as shapes: floor, rooms with their names, goal rooms with their flag."""
+"""The place where a trial plays, as shapes: floor, rooms with their names, walls, doors, goal rooms with their flag."""
 
 import numpy as np
 
-from visitlab_cli.scene.colours import FLAG, FLOOR, GOAL_FLOOR, INK, REACHED_FLOOR, TILE, WALL
+from visitlab_cli.scene.colours import FLAG, FLOOR, GOAL_FLOOR, INK, REACHED_FLOOR, SHUT, TILE, WALL
 from visitlab_cli.scene.shapes import Area, Line, Polygon, Role, Shape, Style, Vectors
 from visitlab_cli.scene.words import room_name
-from visitlab_cli.world.lab import Lab, box_of
+from visitlab_cli.world.lab import ALL_OPEN, SOLID, Lab, Wall, box_of, is_box, runs, shut_doors, walls_of
 
 TILE_SIDE = 4
 """Of the tiles of an open floor, in cells; in the lab each cell is one."""
+WALL_WIDTH, DOOR_WIDTH = 0.24, 0.36
 FLAG_FOOT = (1.8, 2.4)
 """Where a goal room's flag stands: how far west and south of the room's north-eastern corner."""
 POLE = ((0.0, 0.0), (0.0, -1.9))
@@ -16,10 +17,21 @@ CLOTH = ((0.0, -1.9), (1.4, -1.4), (0.0, -0.9))
 """Points of the flag, from its foot."""
 
 
-def lab_shapes(lab: Lab) -> list[Shape]:
-    """The lab: its floor of cells, and its rooms, each as the rectangle around it."""
-    rooms = [_room(lab, Role.ROOM, room, Style(WALL, 0.12), room_name(room)) for room in range(lab.n_rooms)]
-    return [_floor(lab.cols, lab.rows), *_tiles((0, lab.cols), (0, lab.rows), 1), *rooms]
+def lab_shapes(lab: Lab, open_doors: int = ALL_OPEN) -> list[Shape]:
+    """The lab: its floor of cells, its rooms, each as the largest rectangle in it, its walls, the doors that are shut.
+
+    Of a room that is no rectangle the outline is left to the walls.
+    """
+    outline = [Style(WALL, 0.12 if is_box(lab, room) else 0.0) for room in range(lab.n_rooms)]
+    rooms = [_room(lab, Role.ROOM, room, style, room_name(lab, room)) for room, style in enumerate(outline)]
+    solid = [
+        Area(Role.SOLID, _vector(begin, row), _vector(end - begin, 1), Style(WALL))
+        for row, cells in enumerate(lab.rooms == SOLID)
+        for begin, end in runs(cells)
+    ]
+    walls = [_line(Role.WALL, wall, Style(INK, WALL_WIDTH)) for wall in walls_of(lab)]
+    shut = [_line(Role.SHUT, wall, Style(SHUT, DOOR_WIDTH)) for wall in shut_doors(lab, open_doors)]
+    return [_floor(lab.cols, lab.rows), *_tiles((0, lab.cols), (0, lab.rows), 1), *rooms, *solid, *walls, *shut]
 
 
 def arena_shapes(size: int, x_range: tuple[float, float], y_range: tuple[float, float]) -> list[Shape]:
@@ -42,6 +54,10 @@ def goal_shapes(lab: Lab, room: int) -> list[Shape]:
 def reached_shape(lab: Lab, room: int) -> Shape:
     """The room in which a goal was just reached."""
     return _room(lab, Role.REACHED, room, Style(REACHED_FLOOR))
+
+
+def _line(role: Role, wall: Wall, style: Style) -> Line:
+    return Line(role, np.array([(wall.col, wall.row), (wall.end_col, wall.end_row)], np.float32), style)
 
 
 def _floor(width: int, height: int) -> Area:

@@ -7,10 +7,10 @@ import numpy as np
 from visitlab_cli.scene.colours import DESIRED, HUMAN, INK, ROBOT
 from visitlab_cli.scene.lab import arena_shapes, goal_shapes, lab_shapes, reached_shape
 from visitlab_cli.scene.shapes import Arrow, Body, Line, Role, Shape, Sight, Speech, Style, Vectors
-from visitlab_cli.scene.sight import REACH, cells_seen, fields_around
+from visitlab_cli.scene.sight import REACH, cells_seen, fields_around, unwalled_around
 from visitlab_cli.scene.trial import Trial
 from visitlab_cli.scene.view import sign_to, view_of
-from visitlab_cli.scene.words import GESTURES, executed
+from visitlab_cli.scene.words import GESTURES, executed, open_doors_in
 from visitlab_cli.world.enums import Action
 
 COLOURS = {"robot": ROBOT, "human": HUMAN}
@@ -41,7 +41,9 @@ class Scene:
 
     def place(self) -> list[Shape]:
         """What stays as it is: floor, tiles, rooms."""
-        return lab_shapes(self.trial.lab) if self.trial.has_rooms else arena_shapes(self.trial.rows, *self.view)
+        if not self.trial.has_rooms:
+            return arena_shapes(self.trial.rows, *self.view)
+        return lab_shapes(self.trial.lab, open_doors_in(self.trial.steps))
 
     def moment(self, step: int) -> list[Shape]:
         """What is to be seen after a step; of step 0 how the trial begins."""
@@ -103,6 +105,8 @@ class Scene:
         trial = self.trial
         row, col, heading = (int(trial.steps[f"human_{name}"][step]) for name in ("row", "col", "heading"))
         cells = cells_seen(row, col, heading, (trial.rows, trial.cols), trial.distances)
+        if trial.has_rooms:
+            cells = cells * unwalled_around(trial.lab, row, col, open_doors_in(trial.steps))
         near = fields_around(trial.distances)[1]
         corner = np.array([col - REACH, row - REACH], np.float32)
         return Sight(Role.SIGHT, self._places["human"][step], heading, corner, cells, near, float(trial.distances[-1]))

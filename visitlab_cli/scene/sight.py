@@ -16,6 +16,8 @@ from visitlab_cli.world.geometry import (
     VISUAL_FIELD,
     make_geometry,
 )
+from visitlab_cli.world.lab import Lab, sees
+from visitlab_cli.world.sight import Walls
 
 NOTHING, SEES, FACES = range(3)
 """Classes of cells."""
@@ -42,6 +44,18 @@ def fields_around(distances: tuple[int, ...]) -> tuple[npt.NDArray[np.uint8], np
     fields[:, REACH, REACH] = NOTHING
     near = (category >= CLOSEST_APPROPRIATE) & (category <= FARTHEST_APPROPRIATE)
     return fields.astype(np.uint8), near
+
+
+@cache
+def unwalled_around(lab: Lab, row: int, col: int, open_doors: int) -> npt.NDArray[np.bool_]:
+    """Which of the cells around one are behind no wall of a lab, shape (2 REACH + 1, 2 REACH + 1)."""
+    found = np.ones((2 * REACH + 1, 2 * REACH + 1), np.bool_)
+    if isinstance(lab.walls, Walls):
+        for place in np.ndindex(found.shape):
+            other_row, other_col = row + place[0] - REACH, col + place[1] - REACH
+            if 0 <= other_row < lab.rows and 0 <= other_col < lab.cols:
+                found[place] = sees(lab, row, col, other_row, other_col, open_doors)
+    return found
 
 
 def cells_seen(

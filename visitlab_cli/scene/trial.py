@@ -12,13 +12,14 @@ import yaml
 
 from visitlab_cli.agents.base import Setting
 from visitlab_cli.agents.declared import floats
-from visitlab_cli.config.names import module
+from visitlab_cli.config.names import PAPER_LAB, module
 from visitlab_cli.errors import RunError, VisitlabError
 from visitlab_cli.log.reader import check_values, read_attachment, read_metadata, read_trial
 from visitlab_cli.log.schema import CONFIG_NAME
 from visitlab_cli.scene.words import Steps
 from visitlab_cli.storage.arrays import read_model
 from visitlab_cli.storage.cell_folder import MODEL
+from visitlab_cli.wording import printable
 from visitlab_cli.world.columns import ENGAGEMENT, GOAL, HUMAN
 from visitlab_cli.world.geometry import DISTANCES
 from visitlab_cli.world.lab import COL_STEPS, ROW_STEPS, Lab, paper_lab
@@ -129,7 +130,7 @@ def load_trial(path: Path, number: int) -> Trial:
         RunError: it is not a log of visitlab, or damaged.
     """
     steps = read_trial(path, number)
-    lab = lab_of_log(path)
+    lab = lab_of_steps(path, steps)
     about = read_metadata(path)
     task, cell = about["task"], about["cell"]
     check_values(path, steps, task, lab)
@@ -163,9 +164,27 @@ def phase_of_log(path: Path, steps: Steps) -> str:
     return phase_in_words(steps, config_of_log(path).get("experiments", {}).get(cell.split("/")[0], {}))
 
 
-def lab_of_log(path: Path) -> Lab:
-    """The lab in which the steps of a log were played."""
-    return paper_lab()
+def lab_of_log(path: Path, phase: int | None = None) -> Lab:
+    """The lab in which the steps of a log were played, those of a phase where it has phases.
+
+    Raises:
+        RunError: the config that the log carries says no lab.
+    """
+    cell, config = read_metadata(path)["cell"], config_of_log(path)
+    experiment = config.get("experiments", {}).get(cell.split("/")[0], {})
+    if all(each.get("lab", PAPER_LAB) == PAPER_LAB for each in (experiment, *experiment.get("phases", ()))):
+        return paper_lab()
+    from visitlab_cli.config.labs import lab_from_plain  # only now: it takes a moment
+
+    try:
+        return lab_from_plain(config, experiment, phase)
+    except (ValueError, LookupError, TypeError, AttributeError) as error:
+        raise RunError(f"{path}: its config says no lab that there can be: {printable(str(error))}") from error
+
+
+def lab_of_steps(path: Path, steps: Steps) -> Lab:
+    """The lab in which a trial of a log was played."""
+    return lab_of_log(path, int(steps["phase"][0]) if "phase" in steps else None)
 
 
 def _learned(path: Path, task: Task, lab: Lab, cell: str, config: dict[str, Any]) -> Values | None:

@@ -6,7 +6,7 @@ from typing import Any
 import numpy.typing as npt
 
 from visitlab_cli.world.enums import DISTANCE_NAMES, N_DIRECTIONS, N_MOVES, Action, Direction, InteractionLevel
-from visitlab_cli.world.lab import Lab
+from visitlab_cli.world.lab import ALL_OPEN, Lab, room_names, sees
 
 Steps = Mapping[str, npt.NDArray[Any]]
 """The columns of one trial, from its step 0 on: for each name of the log an array of shape (steps + 1,)."""
@@ -61,9 +61,9 @@ _HUMAN_PART = (0, 1, 2, 1, 2, 3, 4, 5)
 ENGAGED = InteractionLevel.GREETED
 
 
-def room_name(room: int) -> str:
-    """The name of a goal room."""
-    return f"Room {room}"
+def room_name(lab: Lab, room: int) -> str:
+    """The name of a room of a lab."""
+    return f"Room {room_names(lab)[room]}"
 
 
 def direction_name(direction: int) -> str:
@@ -106,7 +106,7 @@ def caption(steps: Steps, step: int, lab: Lab) -> str:
     """What happens in a step in `lab`: 'says hello; the human faces it and now follows it with its gaze'."""
     parts = [_begins(steps) if step == 0 else action_name(steps, step)]
     if "human_row" in steps:
-        parts.append(_human(steps, step))
+        parts.append(_human(steps, step, lab))
     if step > 0 and steps["reward"][step] > 0:
         parts.append(_rewarded(steps, step, lab))
     return "; ".join(parts)
@@ -135,14 +135,14 @@ def _way(steps: Steps, step: int, move: int, who: str, verb: str) -> str:
     return words if gone == speed else f"{words}, then is blocked"
 
 
-def _human(steps: Steps, step: int) -> str:
+def _human(steps: Steps, step: int, lab: Lab) -> str:
     levels = steps["interaction_level"]
     after = int(levels[step])
     before = int(levels[step - 1]) if step else after
     action = int(executed(steps)[step])
     move = int(steps["human_action"][step]) if "human_action" in steps else int(Action.STAY)
     if before >= ENGAGED > after:
-        asides = [*_why(steps, step), *([_way(steps, step, move, "human", "wanders")] if move < N_MOVES else [])]
+        asides = [*_why(steps, step, lab), *([_way(steps, step, move, "human", "wanders")] if move < N_MOVES else [])]
         lost = f"loses attention, {', '.join(asides)}," if asides else "loses attention"
         sees = "and no longer sees it" if after == InteractionLevel.NOT_SEEN else f"but still {_HUMAN_DOES[after]}"
         return f"the human {lost} {sees}"
@@ -159,8 +159,24 @@ def _human(steps: Steps, step: int) -> str:
     return f"the human {ignores}{first}{_sight(before, after)}"
 
 
-def _why(steps: Steps, step: int) -> list[str]:
-    """Why attention was lost, where the distance was the reason."""
+def open_doors_in(steps: Steps) -> int:
+    """The doors that are open in a trial."""
+    return int(steps["open_doors"][0]) if "open_doors" in steps else ALL_OPEN
+
+
+def in_sight(steps: Steps, step: int, lab: Lab) -> bool:
+    """Whether no wall was between robot and human after a step in `lab`; in the open arena none ever is."""
+    row, col, human_row, human_col = (
+        int(steps[f"{who}_{axis}"][step]) for who in ("robot", "human") for axis in ("row", "col")
+    )
+    inside = max(row, human_row) < lab.rows and max(col, human_col) < lab.cols
+    return not inside or bool(sees(lab, row, col, human_row, human_col, open_doors_in(steps)))
+
+
+def _why(steps: Steps, step: int, lab: Lab) -> list[str]:
+    """Why attention was lost, where the distance or a wall was the reason."""
+    if not in_sight(steps, step - 1, lab):
+        return ["out of sight"]
     category = int(steps["distance"][step - 1])
     return [DISTANCE_NAMES[category]] if category in (0, len(DISTANCE_NAMES) - 1) else []
 
@@ -182,7 +198,7 @@ def there_already(steps: Steps, step: int, lab: Lab) -> bool:
 
 def _rewarded(steps: Steps, step: int, lab: Lab) -> str:
     if "executed_action" in steps:
-        reached, following = room_name(steps["goal_room"][step - 1]), room_name(steps["goal_room"][step])
+        reached, following = (room_name(lab, steps["goal_room"][at]) for at in (step - 1, step))
         how = f"the human began in goal {reached}" if there_already(steps, step, lab) else f"goal reached in {reached}"
         return f"{how}, the next is {following}"
     if "desired_direction" in steps:
@@ -190,4 +206,4 @@ def _rewarded(steps: Steps, step: int, lab: Lab) -> str:
     if "goal_room" not in steps:
         return "rewarded: in view"
     began = ", where it began" if there_already(steps, step, lab) else ""
-    return f"rewarded: in {room_name(steps['goal_room'][step])}{began}"
+    return f"rewarded: in {room_name(lab, steps['goal_room'][step])}{began}"

@@ -90,7 +90,7 @@ def _draw(groups: Sequence[Group]) -> "Figure":
         maps.set_title(f"Model-free, {LEARNERS[group.cells[0].agent]}", loc="left", fontsize=FONT_SIZE)
         _draw_ratios(bars, ratios(tables, optimal, lab), group.name)
     sizes = " to ".join(dict.fromkeys(str(size) for size in sorted({len(group.cells) for group in groups})))
-    upper[0].set_ylabel(f"row\n(one run, goal {room_name(EXAMPLE_ROOM)}, outlined)")
+    upper[0].set_ylabel(f"row\n(one run, goal {room_name(lab, EXAMPLE_ROOM)}, outlined)")
     lower[0].set_ylabel(f"learned / optimal value\n({lab.n_rooms} goal rooms, n = {sizes} runs)")
     handles, labels = lower[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=2, columnspacing=2.5)
