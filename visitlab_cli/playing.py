@@ -70,6 +70,7 @@ def make_task(
     task: str,
     *,
     human: Mapping[str, Any] | None = None,
+    lab: Mapping[str, Any] | str | None = None,
     distances: Sequence[int] = DISTANCES,
     tables: Mapping[str, npt.ArrayLike] | None = None,
     **settings: Any,
@@ -79,6 +80,7 @@ def make_task(
     Args:
         task: `navigation`, `go_to_human`, `social` or `visit`.
         human: in social and visit whom the robot meets, as under `humans` in a config.
+        lab: but for social where it takes place: as under `labs` in a config, or a map; the paper's unless given.
         distances: the four thresholds of the categories of distance, in cells.
         tables: in a visit the `q` of its modules `navigation` and `go_to_human`, of shape (states, actions).
         settings: `trial_steps`; of go_to_human `success`, of social `arena` and `direction_change`, of a visit
@@ -95,13 +97,15 @@ def make_task(
     for name in settings:
         if name not in SETTINGS[task]:
             raise UsageError(f"{name}: no setting of {task}{or_else(name, SETTINGS[task])}")
-    made, thresholds, met = one_task(task, settings, distances, human)
-    lab = lab_of(made)
-    asked = {name: tuple(TASKS[name].size(lab)) for name in made.steering}
+    if task == SOCIAL and lab is not None:
+        raise UsageError("lab: social is played in an open arena")
+    made, thresholds, met = one_task(task, settings, distances, human, lab=lab)
+    place = lab_of(made)
+    asked = {name: tuple(TASKS[name].size(place)) for name in made.steering}
     given = {name: np.ascontiguousarray(table, np.float64) for name, table in (tables or {}).items()}
     if {name: table.shape for name, table in given.items()} != asked:
         wanted = " and ".join(f"{name} of shape {shape}" for name, shape in asked.items())
         raise UsageError(f"tables: must have {wanted or 'nothing'} in {task}")
-    size = about.size(lab)
-    record = made.task_in(Site(lab, met and met.create(), thresholds, given))
+    size = about.size(place)
+    record = made.task_in(Site(place, met and met.create(), thresholds, given))
     return PlayableTask(about, record, size.n_states, size.n_actions, made.trial_steps)

@@ -6,7 +6,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from visitlab_cli.config.experiment import Site
+from visitlab_cli.config.experiment import Experiment, Site, lab_of
+from visitlab_cli.config.goal_rooms import ALL
 from visitlab_cli.config.one_task import one_task
 from visitlab_cli.errors import UsageError
 from visitlab_cli.exact.models import go_to_human_mean_q
@@ -36,15 +37,19 @@ class Place(NamedTuple):
     arena: int | None = None
 
 
-def navigation(*, trial_steps: int = TRAINING_TRIAL_STEPS, lab: Lab | None = None) -> Place:
+AnyLab = Lab | Mapping[str, Any] | str
+"""A record of `make_lab`; or as under `labs` in a config; or a map, a line a row of cells."""
+
+
+def navigation(*, trial_steps: int = TRAINING_TRIAL_STEPS, lab: AnyLab | None = None) -> Place:
     """Navigation in `lab`, the paper's unless given.
 
     Raises:
         UsageError: a setting is wrong.
     """
-    lab = lab or paper_lab()
-    settings, _, _ = one_task(NAVIGATION, {"trial_steps": trial_steps}, DISTANCES)
-    return Place(TASKS[NAVIGATION], settings.task_in(Site(lab, None, DISTANCES, {})), lab, lab, DISTANCES)
+    settings, _, _ = one_task(NAVIGATION, {"trial_steps": trial_steps}, DISTANCES, lab=_said(lab))
+    place = _lab(lab, settings)
+    return Place(TASKS[NAVIGATION], settings.task_in(Site(place, None, DISTANCES, {})), place, place, DISTANCES)
 
 
 def go_to_human(
@@ -52,16 +57,17 @@ def go_to_human(
     trial_steps: int = TRAINING_TRIAL_STEPS,
     success: str = "facing",
     distances: Sequence[int] = DISTANCES,
-    lab: Lab | None = None,
+    lab: AnyLab | None = None,
 ) -> Place:
     """Go to human in `lab`, the paper's unless given.
 
     Raises:
         UsageError: a setting is wrong.
     """
-    lab = lab or paper_lab()
-    settings, thresholds, _ = one_task(GO_TO_HUMAN, {"trial_steps": trial_steps, "success": success}, distances)
-    return Place(TASKS[GO_TO_HUMAN], settings.task_in(Site(lab, None, thresholds, {})), lab, lab, thresholds)
+    wanted = {"trial_steps": trial_steps, "success": success}
+    settings, thresholds, _ = one_task(GO_TO_HUMAN, wanted, distances, lab=_said(lab))
+    place = _lab(lab, settings)
+    return Place(TASKS[GO_TO_HUMAN], settings.task_in(Site(place, None, thresholds, {})), place, place, thresholds)
 
 
 def social(
@@ -91,7 +97,7 @@ def visit(
     trial_steps: int = VISIT_TRIAL_STEPS,
     goal_rooms: str | Sequence[int] = "all",
     distances: Sequence[int] = DISTANCES,
-    lab: Lab | None = None,
+    lab: AnyLab | None = None,
 ) -> Place:
     """A visit with a human in `lab`, the paper's unless given.
 
@@ -101,14 +107,16 @@ def visit(
     Raises:
         UsageError: a setting is wrong.
     """
-    lab = lab or paper_lab()
     entry, record = entry_and_record(human)
     rooms = goal_rooms if isinstance(goal_rooms, str) else [*goal_rooms]
     wanted = {"trial_steps": trial_steps, "goal_rooms": rooms}
-    settings, thresholds, met = one_task(VISIT, wanted, distances, entry, shipped_humans())
-    tables = _tables(modules or {}, lab, thresholds)
-    made = settings.task_in(Site(lab, record or (met and met.create()), thresholds, tables))
-    return Place(TASKS[VISIT], made, lab, lab, thresholds)
+    settings, thresholds, met = one_task(VISIT, wanted, distances, entry, shipped_humans(), _said(lab))
+    place = _lab(lab, settings)
+    if isinstance(lab, Lab) and goal_rooms == ALL:
+        settings = settings.model_copy(update={"goal_rooms": ALL})
+    tables = _tables(modules or {}, place, thresholds)
+    made = settings.task_in(Site(place, record or (met and met.create()), thresholds, tables))
+    return Place(TASKS[VISIT], made, place, place, thresholds)
 
 
 PLACES: dict[str, Callable[..., Place]] = {
@@ -118,6 +126,15 @@ PLACES: dict[str, Callable[..., Place]] = {
     VISIT: visit,
 }
 """What makes the place of each task, of its settings."""
+
+
+def _said(lab: AnyLab | None) -> Mapping[str, Any] | str | None:
+    """What a config would say of the lab; nothing of one that is a record."""
+    return None if isinstance(lab, Lab) else lab
+
+
+def _lab(lab: AnyLab | None, settings: Experiment) -> Lab:
+    return lab if isinstance(lab, Lab) else lab_of(settings)
 
 
 def _tables(

@@ -76,7 +76,7 @@ def in_a_line(trial: Trial) -> str:
     steps, last = trial.steps, trial.last_step
     parts = [f"step {last}"]
     if trial.has_goal:
-        parts.append(f"goal {room_name(int(steps['goal_room'][last]))}")
+        parts.append(f"goal {room_name(trial.lab, int(steps['goal_room'][last]))}")
     if trial.has_engagement:
         parts.append(f"towards {direction_name(int(steps['desired_direction'][last]))}")
     if trial.has_human:
