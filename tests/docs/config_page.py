@@ -21,6 +21,7 @@ TEMPLATE = Path(__file__).with_name("config.template.md").read_text(encoding="ut
 SECTIONS = {
     "": ("The whole", ""),
     "humans": ("humans", "A human, by any name: {key: value, ...}."),
+    "labs": ("labs", "A lab, by any name: a map, or rooms in rows and columns: [what each setting does](labs.md)."),
     "agents": ("agents", "An agent, by any name; its `kind` decides what else it has."),
     "experiments": ("experiments", "A training or a visit, by any name; its `task` decides what else it has."),
     "modules": ("modules of a visit", ""),
@@ -34,7 +35,7 @@ SECTIONS = {
 }
 PARTS = {
     "modules": [{"$ref": "#/$defs/Modules"}],
-    "phases": [{"$ref": f"#/$defs/{name}"} for name in ("TrainingPhase", "SocialPhase", "VisitPhase")],
+    "phases": [{"$ref": f"#/$defs/{name}"} for name in ("ModulePhase", "SocialPhase", "VisitPhase")],
 }
 """What the models have that is no section of its own."""
 TAGS = ("kind", "task")
