@@ -30,6 +30,7 @@ FLOORS = [
     {"affordances"},
     {"paper"},
     {"export", "figures", "replay", "report"},
+    {"scores"},
     {"console", "gym"},
     {"commands", "running"},
     {"cli"},

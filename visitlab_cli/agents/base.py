@@ -125,6 +125,10 @@ class AgentParameters(Kind):
         """Its learned models of the world by name, each as `model_arrays` has it, the one it acts by first."""
         return {}
 
+    def updates_a_step(self, setting: "Setting", saved: Saved) -> float | None:
+        """How many values it changes a step in the end, by what it saved, on the average; None where it does not say."""
+        return None if self.learns else 0.0
+
     def arrays(self, setting: "Setting") -> dict[str, Declared]:
         """What each array is that `save` gives, so that no file can hold another.
 

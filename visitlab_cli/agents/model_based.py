@@ -71,6 +71,11 @@ class ModelBasedParameters(OneModelParameters):
         """Go on with a saved model."""
         return self._record(saved["q"].copy(), restored_model(setting, saved))
 
+    def updates_a_step(self, setting: Setting, saved: Saved) -> float:
+        """All pairs in a sweep, or those that were tried."""
+        pairs = np.size(saved["visits"]) if self.unvisited == "uniform" else np.count_nonzero(saved["visits"])
+        return float(pairs) / self.plan_every
+
     def _record(self, q: Table, model: SparseModel) -> ModelBased:
         gamma, epsilon = float(self.gamma), float(self.epsilon)
         fill = self.unvisited == "uniform"

@@ -75,6 +75,10 @@ class ObserverParameters(AgentParameters):
         table = record.learner if isinstance(record, Observer) else record
         return {"q": table.q, "visits": table.visits}
 
+    def updates_a_step(self, setting: Setting, saved: Saved) -> float:
+        """As the agent that it becomes."""
+        return self._q_learners(setting)[1].updates_a_step(setting, saved)
+
     def arrays(self, setting: Setting) -> dict[str, Declared]:
         """Those of the agent that it becomes."""
         return self._q_learners(setting)[1].arrays(setting)

@@ -52,6 +52,10 @@ class QLearningParameters(TabularParameters):
         """The table and how often each pair was updated."""
         return {"q": record.q, "visits": record.visits}
 
+    def updates_a_step(self, setting: Setting, saved: Saved) -> float:
+        """The pair that was tried."""
+        return 1.0
+
     def arrays(self, setting: Setting) -> dict[str, Declared]:
         """The table and the counts."""
         return {"q": floats(setting.n_states, setting.n_actions), "visits": counts(setting.n_states, setting.n_actions)}

@@ -59,9 +59,15 @@ class RMaxParameters(OneModelParameters):
         """Go on with a saved model."""
         return self._record(setting, saved["q"].copy(), restored_model(setting, saved))
 
+    def updates_a_step(self, setting: Setting, saved: Saved) -> float:
+        """Those pairs in a sweep that are known."""
+        return float(np.count_nonzero(saved["visits"] >= self._m_in(setting))) / self.plan_every
+
+    def _m_in(self, setting: Setting) -> int:
+        return self.m or (M_IN_NAVIGATION if setting.task == "navigation" else M_ELSEWHERE)
+
     def _record(self, setting: Setting, q: Table, model: SparseModel) -> RMax:
-        m = self.m or (M_IN_NAVIGATION if setting.task == "navigation" else M_ELSEWHERE)
-        return RMax(q, np.zeros(len(q)), model, float(self.gamma), m, self.plan_every)
+        return RMax(q, np.zeros(len(q)), model, float(self.gamma), self._m_in(setting), self.plan_every)
 
 
 @CHOOSE.of(RMax)

@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Iterator
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -24,6 +24,7 @@ from visitlab_cli.simulation.loop import BLOCK_ROWS, START, play
 from visitlab_cli.sources import sources
 from visitlab_cli.storage.arrays import write_model, write_trials
 from visitlab_cli.storage.cell_folder import MODEL, SOURCES, STEPS, TRIALS, NewCell
+from visitlab_cli.storage.facts import CPU_SECONDS
 from visitlab_cli.world.columns import StepColumns, empty_columns
 
 Report = Callable[[int], None]
@@ -33,6 +34,13 @@ Record = Callable[[StepColumns, int], None]
 """Given a block and its number of rows."""
 
 STREAM = "simulation"
+
+
+class Spent(NamedTuple):
+    """Time spent playing: `seconds` of the clock, and those of one core, which other programs do not lengthen."""
+
+    seconds: float
+    cpu_seconds: float
 
 
 def run_cell(run: Path, cell: Cell, report: Report) -> None:
@@ -59,41 +67,42 @@ def _run_cell(run: Path, cell: Cell, report: Report) -> None:
                 new.beat()
                 report(steps)
 
-            trial_rewards, playing = simulate(simulation, random, record, alive)
+            trial_rewards, spent = simulate(simulation, random, record, alive)
         settings = cell.settings
         goals, phases = settings.plays.counts_goals, settings.phase_trials
         write_trials(new.folder / TRIALS, trial_rewards, with_goals=goals, phase_trials=phases)
         write_model(new.folder / MODEL, saved_model(simulation, random))
         seconds = time.perf_counter() - started
-        new.commit(facts_of(cell, trial_rewards), _timing(start, seconds, cell.steps / playing))
+        new.commit(facts_of(cell, trial_rewards), _timing(start, seconds, cell.steps, spent))
 
 
 def simulate(
     simulation: Simulation, random: RandomState, record: Record, report: Report
-) -> tuple[np.ndarray[Any, np.dtype[np.float64]], float]:
-    """Play to the end in blocks: the rewards of all trials, shape (trials,), and the seconds spent playing.
+) -> tuple[np.ndarray[Any, np.dtype[np.float64]], Spent]:
+    """Play to the end in blocks: the rewards of all trials, shape (trials,), and the time spent playing.
 
     Raises:
         AgentFailedError: an agent in plain Python raised, or answered what it must not.
     """
     columns = empty_columns(BLOCK_ROWS)
     trial_rewards = np.zeros(simulation.trials)
-    cursor, playing = START, 0.0
+    cursor, seconds, cpu_seconds = START, 0.0, 0.0
     for number, (task, agent, until, open_doors) in enumerate(simulation.stretches):
         columns.phase[:] = number
         cursor = cursor._replace(scene=cursor.scene._replace(open_doors=open_doors))
         while cursor.steps < until:
-            begun = time.perf_counter()
+            begun, of_core = time.perf_counter(), time.thread_time()
             try:
                 cursor, rows = play(task, agent, cursor, until, random, columns, trial_rewards)
             except RuntimeError:
                 if failure := failure_in(agent, task.trial_steps):
                     raise failure from None
                 raise
-            playing += time.perf_counter() - begun
+            seconds += time.perf_counter() - begun
+            cpu_seconds += time.thread_time() - of_core
             record(columns, rows)
             report(cursor.steps)
-    return trial_rewards, playing
+    return trial_rewards, Spent(seconds, cpu_seconds)
 
 
 @contextlib.contextmanager
@@ -140,11 +149,12 @@ def last_mean(trial_rewards: np.ndarray[Any, np.dtype[np.float64]], part: int) -
     return float(trial_rewards[-max(1, len(trial_rewards) // part) :].mean())
 
 
-def _timing(start: datetime, seconds: float, steps_per_second: float) -> dict[str, Any]:
+def _timing(start: datetime, seconds: float, steps: int, spent: Spent) -> dict[str, Any]:
     return {
         "start": start.isoformat(),
         "end": datetime.now(UTC).isoformat(),
         "seconds": round(seconds, 3),
-        "steps_per_second": round(steps_per_second),
+        CPU_SECONDS: round(spent.cpu_seconds, 6),
+        "steps_per_second": round(steps / spent.seconds),
         "host": socket.gethostname(),
     }

@@ -43,7 +43,7 @@ _ESCAPES = {"<": "\\u003c", ">": "\\u003e", "&": "\\u0026"}
 
 def render(facts: Facts, curves: Sequence[Chart], trials: Sequence[dict[str, Any]]) -> str:
     """The page of a run."""
-    style, script = Html(_palette() + _joined(STYLES)), _joined(SCRIPTS)
+    style, script = Html(palette() + joined(STYLES)), joined(SCRIPTS)
     choices = Choices(facts.lines)
     parts = {
         "run": what_was_run(facts, SECTIONS["run"]),
@@ -77,10 +77,11 @@ def render(facts: Facts, curves: Sequence[Chart], trials: Sequence[dict[str, Any
         _data(data),
         element("script", script),
     )
-    return f'{HTML}<html lang="en">{_header(facts.name, style, script)}{body}</html>\n'
+    return f'{HTML}<html lang="en">{header(facts.name, style, script)}{body}</html>\n'
 
 
-def _header(title: str, style: Html, script: Html) -> Html:
+def header(title: str, style: Html, script: Html) -> Html:
+    """The head of a page that may load nothing, and run and look as nothing but what it has itself."""
     policy = (
         f"default-src 'none'; script-src '{_digest(script)}'; style-src '{_digest(style)}'; "
         "base-uri 'none'; form-action 'none'"
@@ -96,11 +97,12 @@ def _header(title: str, style: Html, script: Html) -> Html:
     )
 
 
-def _joined(names: Sequence[str]) -> Html:
+def joined(names: Sequence[str]) -> Html:
+    """Styles or scripts, by their files, one after the other."""
     return Html("".join((HERE / name).read_text(encoding="utf-8") for name in names))
 
 
-def _palette() -> str:
+def palette() -> str:
     """The colours of agents, for light and dark pages."""
     rules = [
         f".colour-{place} {{ --hue: light-dark({paint.light}, {paint.dark}); }}" for place, paint in enumerate(PALETTE)

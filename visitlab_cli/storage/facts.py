@@ -21,6 +21,8 @@ FACTS: dict[str, tuple[type, ...]] = {
 SOURCES = "sources"
 """What it says, too, but for cells of version 0.1.0: the hash of the code that made it."""
 STEPS, TRIALS, MODEL, CELL, TIMING = "steps.mcap", "trials.parquet", "model.npz", "cell.json", "timing.json"
+CPU_SECONDS = "cpu_seconds"
+"""What `timing.json` says, too, of cells made since 0.2.0."""
 LARGEST = 1e12
 """No mean of rewards, and no time in seconds, is larger."""
 
@@ -54,10 +56,19 @@ def _is_description(described: Any) -> bool:
 
 def seconds_of(folder: Path) -> float | None:
     """How long a cell took; no hash covers `timing.json`, so nothing is said where it is not as it should be."""
+    return _timed(folder, "seconds")
+
+
+def cpu_seconds_of(folder: Path) -> float | None:
+    """The time of one core that a cell's steps took, without recording them; None where it is not said."""
+    return _timed(folder, CPU_SECONDS)
+
+
+def _timed(folder: Path, key: str) -> float | None:
     try:
         timing = read_json(folder / TIMING)
     except (OSError, ValueError):
         return None
-    seconds: Any = timing.get("seconds") if isinstance(timing, dict) else None
+    seconds: Any = timing.get(key) if isinstance(timing, dict) else None
     is_number = isinstance(seconds, int | float) and not isinstance(seconds, bool)
     return float(seconds) if is_number and 0 <= seconds < LARGEST else None
