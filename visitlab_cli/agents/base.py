@@ -126,7 +126,7 @@ class AgentParameters(Kind):
         return {}
 
     def updates_a_step(self, setting: "Setting", saved: Saved) -> float | None:
-        """How many values it changes a step in the end, by what it saved, on the average; None where it does not say."""
+        """How many values it changes a step in the end, on the average; None where it does not say."""
         return None if self.learns else 0.0
 
     def arrays(self, setting: "Setting") -> dict[str, Declared]:

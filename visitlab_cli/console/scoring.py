@@ -100,11 +100,14 @@ def score(
         UsageError: the rows ask for an optimum that nobody knows.
         Interrupted: what was finished is kept.
     """
+    from visitlab_cli.scores.anchors import check_best
     from visitlab_cli.scores.asking import ask
     from visitlab_cli.scores.contenders import floor
     from visitlab_cli.scores.judging import Scorecard, judge
 
-    lowest = play(rows, names, ask(rows, floor(), seeds), out, workers, progress)
+    random = ask(rows, floor(), seeds)
+    check_best(rows, names, random)
+    lowest = play(rows, names, random, out, workers, progress)
     played = [play(rows, names, ask(rows, each, seeds), out, workers, progress) for each in found]
     failures = {f"{each.run}/{path}": why for each in (lowest, *played) for path, why in each.failures.items()}
     cards = [judge(rows, names, each, lowest) for each in played]

@@ -60,9 +60,7 @@ def _all(card: Scorecard) -> Html:
         "(Student's t); of costs there is no score, but the value."
     )
     looks = looks_of(each.agent for each in card.cards)
-    heads = [
-        element("th", _agent(each.agent, looks[each.agent].hue), scope="col", style=None) for each in card.cards
-    ]
+    heads = [element("th", _agent(each.agent, looks[each.agent].hue), scope="col", style=None) for each in card.cards]
     rows = [
         element(
             "tr",

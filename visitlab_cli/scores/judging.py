@@ -45,7 +45,8 @@ class Line(NamedTuple):
     def as_json(self) -> dict[str, Any]:
         """The line as plain values."""
         return self._asdict() | {
-            name: None if each is None else each.as_json() for name, each in (("score", self.score), ("value", self.value))
+            name: None if each is None else each.as_json()
+            for name, each in (("score", self.score), ("value", self.value))
         }
 
 

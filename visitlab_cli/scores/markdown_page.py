@@ -35,8 +35,8 @@ def _parts(card: Scorecard, rows: Rows, picture: str | None) -> Iterator[str]:
     yield f"{MARKDOWN}score`; every number is read from runs -->"
     yield "# The scorecard"
     yield (
-        "`visitlab score KIND` or `visitlab score CONFIG.yaml` asks an agent questions and gives each answer a score: 0 is "
-        "what random actions reach on the same cells, 1 the exact optimum of whoever sees the whole state, or the best "
+        "`visitlab score KIND` or `visitlab score CONFIG.yaml` asks an agent questions and gives each answer a score: 0 "
+        "is what random actions reach on the same cells, 1 the exact optimum of whoever sees the whole state, or the best "
         "that is known where nobody knows the optimum. A score is (value - random) / (best - random), seed by seed; "
         "what is told is the mean over seeds ± half its 95% interval (Student's t). An agent that sees less than all "
         "can't reach 1. There is no total: which question matters depends on the robot."
@@ -57,8 +57,8 @@ def _parts(card: Scorecard, rows: Rows, picture: str | None) -> Iterator[str]:
         if line.best_is not in (None, EXACT)
     )
     yield (
-        "Random is measured, best is the exact optimum (navigation and go_to_human: `visitlab optimum`; the social task: "
-        "backward induction over relative cell, headings, engagement, desired direction and steps left)"
+        "Random is measured, best is the exact optimum (navigation and go_to_human: `visitlab optimum`; the "
+        "social task: backward induction over relative cell, headings, engagement, desired direction and steps left)"
         + "".join(f"; {each}" for each in others)
         + ". Random and best are taken as known: the intervals are those of the agent."
     )
@@ -74,8 +74,8 @@ def _parts(card: Scorecard, rows: Rows, picture: str | None) -> Iterator[str]:
     )
     yield (
         "What is played lies in ordinary runs, `score-AGENT-HASH`: they are shown, replayed and reported as any run, "
-        "and what is done already is kept, also after an interruption; one trial in a hundred is recorded step by step. "
-        "What an agent can't play has no score, and the reason instead."
+        "and what is done already is kept, also after an interruption; one trial in a hundred is recorded step by "
+        "step. What an agent can't play has no score, and the reason instead."
     )
     yield (
         "Rows are data: the files of `configs/scores/`. A new question is a new file there, or in a folder of your own "

@@ -38,7 +38,7 @@ def save_scores(card: Scorecard, target: Path) -> None:
 
 
 def draw_scores(card: Scorecard) -> "Figure":
-    """The rows from above; a bar's end is the mean over seeds, its line the 95% interval; what has no answer says so."""
+    """The rows from above; a bar is the mean over seeds, its line the 95% interval; what has no answer says so."""
     from matplotlib.figure import Figure
 
     rows = card.scored
@@ -83,7 +83,9 @@ def _draw(axes: "Axes", card: Card, rows: list[str], colour: str) -> None:
         score = lines[row].score
         if score is None:
             why = (lines[row].reason or "not known").split(";")[0]
-            axes.text(FAR, place, why if width_of(why, SMALL) < 1.4 else "no answer", fontsize=SMALL, color=GREY, va="center")
+            axes.text(
+                FAR, place, why if width_of(why, SMALL) < 1.4 else "no answer", fontsize=SMALL, color=GREY, va="center"
+            )
             continue
         mean, half = score
         axes.barh(place, max(mean, LEAST), THICK, color=colour, alpha=0.75, linewidth=0)

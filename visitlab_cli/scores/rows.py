@@ -21,7 +21,6 @@ from visitlab_cli.yaml.problems import Issue, Problem, failure, positioned
 
 AGENT = "AGENT"
 """Stands in the rows for the agent that is scored."""
-OPTIMUM = "optimum"
 SECTIONS = ("humans", "agents", "experiments", "optima")
 """What the files add to one another; a name has one meaning in all of them."""
 
