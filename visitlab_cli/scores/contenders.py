@@ -20,7 +20,7 @@ from visitlab_cli.wording import or_else, printable
 from visitlab_cli.yaml.document import Node, Place, located
 from visitlab_cli.yaml.include import read_with_includes
 from visitlab_cli.yaml.overrides import apply_overrides
-from visitlab_cli.yaml.problems import Problem
+from visitlab_cli.yaml.problems import Problem, failure
 
 AGENTS = "agents"
 FLOOR = "random"
@@ -117,8 +117,9 @@ def _checked(document: Node, problems: list[Problem]) -> dict[str, tuple[AgentPa
     here = Place(document.place.source)
     agents = document.entries().get(AGENTS, Node({}, here, here))
     around = located({"name": _STUB, **_AROUND}, here).entries()
-    if isinstance(agents.value, dict):
-        agents = agents.with_entries({**agents.entries(), _STUB: located({KIND: FLOOR}, here)})
+    if not isinstance(agents.value, dict):
+        raise failure([*problems, Problem(agents.place, (AGENTS,), "must be a mapping of names to agents")])
+    agents = agents.with_entries({**agents.entries(), _STUB: located({KIND: FLOOR}, here)})
     kept = [problem for problem in problems if problem.path[:1] in ((), (AGENTS,))]
     config = build(document.with_entries({**around, AGENTS: agents}), kept)
     plain = canonical(config)[AGENTS]

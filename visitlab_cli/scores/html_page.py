@@ -7,7 +7,7 @@ from visitlab_cli.colours import looks_of
 from visitlab_cli.origin import HTML
 from visitlab_cli.pictures.style import write
 from visitlab_cli.report.facts import counted
-from visitlab_cli.report.interval import picture
+from visitlab_cli.report.interval import Scale, picture, scale_of
 from visitlab_cli.report.markup import Html, element
 from visitlab_cli.report.names import breakable
 from visitlab_cli.report.page import STYLES, header, joined, palette
@@ -60,7 +60,7 @@ def _all(card: Scorecard) -> Html:
         "(Student's t); of costs there is no score, but the value."
     )
     looks = looks_of(each.agent for each in card.cards)
-    heads = [element("th", _agent(each.agent, looks[each.agent].hue), scope="col", style=None) for each in card.cards]
+    heads = [element("th", _agent(each.agent, looks[each.agent].hue), scope="col") for each in card.cards]
     rows = [
         element(
             "tr",
@@ -83,27 +83,28 @@ def _agent(name: str, hue: int) -> Html:
 
 
 def _short(line: Line) -> str:
-    if line.reason:
-        return "–"
-    return score_words(line.score if line.scored else line.value)
+    told = line.score if line.scored else line.value
+    return UNKNOWN if told is None else score_words(told)
 
 
 def _agents(card: Scorecard) -> Iterator[Html]:
     for place, each in enumerate(card.cards):
-        yield section(f"agent-{place}", each.agent, element("p", _about(each), class_="about"), _table(each))
+        yield section(f"agent-{place}", each.agent, _about(each), _table(each))
 
 
-def _about(card: Card) -> str:
-    settings = ", ".join(f"{name}={value}" for name, value in card.parameters.items())
-    run = "" if card.run is None else f" All that it played is in {card.run}: `visitlab report` shows it as a page."
-    return f"Kind {card.kind}{f' with {settings}' if settings else ''}.{run}"
+def _about(card: Card) -> Html:
+    settings = ", ".join(f"{name}={value}" for name, value in card.parameters.items() if value is not None)
+    told: list[str] = [f"Kind {card.kind}{f' with {settings}' if settings else ''}."]
+    if card.run is not None:
+        command = f"visitlab report {card.run.name}"
+        told += [f" All that it played is in {card.run.name}; ", element("code", command), " makes a page of it."]
+    return element("p", *told, class_="about")
 
 
 def _table(card: Card) -> Html:
-    ends = [each for line in card.lines if (each := line.score)]
-    least = min([WHOLE[0], *(each.mean - (each.half if each.half == each.half else 0.0) for each in ends)])
-    most = max([WHOLE[1], *(each.mean + (each.half if each.half == each.half else 0.0) for each in ends)])
-    rows = [_row(line, (least, most)) for line in card.lines]
+    least, most = scale_of(line.score for line in card.lines)
+    scale = min(least, WHOLE[0]), max(most, WHOLE[1])
+    rows = [_row(line, scale) for line in card.lines]
     return element(
         "table",
         element("thead", element("tr", *(element("th", text, scope="col") for text in HEADS))),
@@ -112,7 +113,7 @@ def _table(card: Card) -> Html:
     )
 
 
-def _row(line: Line, scale: tuple[float, float]) -> Html:
+def _row(line: Line, scale: Scale) -> Html:
     name = element("th", row_words(line.row), element("small", line.question), scope="row")
     if line.reason:
         return element("tr", name, element("td", line.reason, colspan=len(HEADS) - 1, data_label="Score"))
@@ -121,8 +122,8 @@ def _row(line: Line, scale: tuple[float, float]) -> Html:
         score = [element("b", number(line.score.mean)), picture(line.score, scale)]
     cells = (
         ("Value", [score_words(line.value), element("small", line.unit)]),
-        ("Random", [number(line.random)]),
-        ("Best", [number(line.best)]),
+        ("Random", [UNKNOWN if line.random is None else number(line.random)]),
+        ("Best", [UNKNOWN if line.best is None else number(line.best)]),
         ("What is best", [line.best_is or UNKNOWN]),
         ("n", [f"{line.n}"]),
     )

@@ -35,11 +35,11 @@ def _parts(card: Scorecard, rows: Rows, picture: str | None) -> Iterator[str]:
     yield f"{MARKDOWN}score`; every number is read from runs -->"
     yield "# The scorecard"
     yield (
-        "`visitlab score KIND` or `visitlab score CONFIG.yaml` asks an agent questions and gives each answer a score: 0 "
-        "is what random actions reach on the same cells, 1 the exact optimum of whoever sees the whole state, or the best "
-        "that is known where nobody knows the optimum. A score is (value - random) / (best - random), seed by seed; "
-        "what is told is the mean over seeds ± half its 95% interval (Student's t). An agent that sees less than all "
-        "can't reach 1. There is no total: which question matters depends on the robot."
+        "`visitlab score KIND` or `visitlab score CONFIG.yaml` asks an agent questions and gives each answer a score: "
+        "0 is what random actions reach on the same cells, 1 the exact optimum of whoever sees the whole state, or the "
+        "best that is known where nobody knows the optimum. A score is (value - random) / (best - random), seed by "
+        "seed; what is told is the mean over seeds ± half its 95% interval (Student's t). An agent that sees less than "
+        "all can't reach 1. There is no total: which question matters depends on the robot."
     )
     yield f"Quote a score with its rows, **{card.rows}**: a question that changes is another set."
     yield "## The agents"

@@ -18,6 +18,7 @@ PANELS = 3
 """Side by side."""
 BAR, THICK = 0.17, 0.66
 """Inches from bar to bar, and the part of that which is bar."""
+TITLE = 8  # points
 HEAD, FOOT, EDGE = 0.5, 0.45, 0.08  # inches
 ROOM = 1.32
 """How far the axis goes, so that a number finds room behind a bar that reaches 1."""
@@ -66,13 +67,21 @@ def draw_scores(card: Scorecard) -> "Figure":
             continue
         each = card.cards[number]
         _draw(axes, each, rows, looks[each.agent].colour)
-        axes.set_title(each.agent if width_of(each.agent, 8, "bold") < 1.9 else f"{each.agent[:20]}…")
+        axes.set_title(_cut(each.agent, (PAGE - left) / across))
     panels[0, 0].set_yticks(range(len(rows)), names)
     panels[0, 0].invert_yaxis()  # all share it
     for axes in panels[:, 0]:
         axes.tick_params(axis="y", length=0)
     figure.text(EDGE / PAGE, EDGE / height, caption, fontsize=SMALL, color=GREY, linespacing=1.2, va="bottom")
     return figure
+
+
+def _cut(name: str, width: float) -> str:
+    """A name, or as much of it as a title has room for, in inches."""
+    cut = name
+    while width_of(cut, TITLE, "bold") > width:
+        cut = cut[:-2] + "…"
+    return cut
 
 
 def _draw(axes: "Axes", card: Card, rows: list[str], colour: str) -> None:
@@ -93,7 +102,8 @@ def _draw(axes: "Axes", card: Card, rows: list[str], colour: str) -> None:
         if known:
             axes.plot([max(mean - half, LEAST), mean + half], [place, place], color=INK, linewidth=0.9)
         end = max(mean + known, 0.0)
-        axes.text(end + FAR, place, f"{mean:z.2f}", fontsize=SMALL, color=INK, va="center")
+        words = axes.text(end + FAR, place, f"{mean:z.2f}", fontsize=SMALL, color=INK, va="center")
+        words.set_bbox({"facecolor": "white", "edgecolor": "none", "pad": 0.6})  # over the line at 1
     axes.set_xlim(LEAST - 0.02, ROOM)
     axes.set_xticks([0, 0.5, 1], ["random", "0.5", "best"])
     axes.spines["left"].set_visible(False)
