@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+from visitlab_cli.console import completion
 from visitlab_cli.console.help import Help
 from visitlab_cli.console.options import RUNS, Json, NoColor, Out, Overrides, Plugins, Quiet, Verbose, Workers
 
@@ -23,17 +24,18 @@ def command(
     agent: Annotated[
         str,
         typer.Argument(
-            metavar="[KIND|CONFIG]",
+            metavar="KIND|CONFIG",
             help="A kind of agent, as it is by default; or a YAML file, each of whose agents is scored. Left out: the "
             "questions are listed.",
             show_default=False,
+            autocompletion=completion.configs,
         ),
     ] = "",
     overrides: Overrides = None,
     only: Annotated[list[str] | None, typer.Option(metavar="ROW", help="This row alone; may be repeated.")] = None,
     named: Annotated[
         list[str] | None,
-        typer.Option("--agent", help="This agent of the config alone; may be repeated."),
+        typer.Option("--agent", metavar="NAME", help="This agent of the config alone; may be repeated."),
     ] = None,
     seeds: Annotated[
         int | None, typer.Option(min=1, max=100_000, help=f"Repetitions of everything; {SEEDS} unless given.")
@@ -49,7 +51,7 @@ def command(
         Path | None, typer.Option(help="Write them as a Markdown page, such as docs/scores.md.", show_default=False)
     ] = None,
     rows: Annotated[
-        Path | None, typer.Option(help="A folder with rows of your own instead.", show_default=False)
+        Path | None, typer.Option(metavar="FOLDER", help="Rows of your own instead of visitlab's.", show_default=False)
     ] = None,
     plugin: Plugins = None,
     out: Out = RUNS,

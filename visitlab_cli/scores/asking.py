@@ -17,19 +17,19 @@ LONGEST_NAME = 64
 
 
 class Asked(NamedTuple):
-    """The config of an agent's run, None where it can play nothing; why it can't play an experiment, by its name."""
+    """The config of an agent's run, None where it can play nothing, its cells; why it can't play an experiment."""
 
     contender: Contender
-    config: Config | None
     unplayable: Mapping[str, str]
+    config: Config | None = None
+    cells: Sequence[Cell] = ()
 
     def cells_of(self, rows: Rows, row: str) -> list[list[Cell]]:
         """The cells that answer a row, for each group of it; none where it can't be played."""
         groups = [_named(group, self.contender.name) for group in rows.rows[row].of]
-        if self.config is None or self.why_not(rows, row):
+        if self.why_not(rows, row):
             return []
-        cells = plan(self.config)
-        return [[cell for cell in cells if cell.group == group] for group in groups]
+        return [[cell for cell in self.cells if cell.group == group] for group in groups]
 
     def why_not(self, rows: Rows, row: str) -> str | None:
         """Why the agent can't play a row; None where it can."""
@@ -38,14 +38,11 @@ class Asked(NamedTuple):
 
     def needed(self, rows: Rows, names: Sequence[str]) -> list[Cell]:
         """The cells of some rows with all that these start from, in an order in which they can be run."""
-        if self.config is None:
-            return []
         paths = {cell.path for row in names for group in self.cells_of(rows, row) for cell in group}
-        cells = plan(self.config)
-        for cell in reversed(cells):
+        for cell in reversed(self.cells):
             if cell.path in paths:
                 paths |= set(cell.modules.values())
-        return [cell for cell in cells if cell.path in paths]
+        return [cell for cell in self.cells if cell.path in paths]
 
 
 def ask(rows: Rows, contender: Contender, seeds: int) -> Asked:
@@ -60,7 +57,7 @@ def ask(rows: Rows, contender: Contender, seeds: int) -> Asked:
         wanted |= more
     experiments = {name: each for name, each in rows.experiments.items() if name in wanted}
     if not experiments:
-        return Asked(contender, None, unplayable)
+        return Asked(contender, unplayable)
     document = {
         "name": f"score-{contender.name}"[:LONGEST_NAME],
         "seeds": seeds,
@@ -69,7 +66,8 @@ def ask(rows: Rows, contender: Contender, seeds: int) -> Asked:
         "experiments": _named(experiments, contender.name),
         "record": {"steps": {"one_trial_in": ONE_TRIAL_IN}},
     }
-    return Asked(contender, load_text(json.dumps(document), "the rows of the scorecard"), unplayable)
+    config = load_text(json.dumps(document), "the rows of the scorecard")
+    return Asked(contender, unplayable, config, plan(config))
 
 
 def _why_not(rows: Rows, contender: Contender, name: str) -> str | None:

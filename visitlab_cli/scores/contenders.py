@@ -17,6 +17,8 @@ from visitlab_cli.kinds import KIND
 from visitlab_cli.plugins import NoSuchKindError, PluginError, find
 from visitlab_cli.scores.rows import Rows
 from visitlab_cli.wording import or_else, printable
+from visitlab_cli.world.task import TRAINING_TRIAL_STEPS
+from visitlab_cli.world.tasks import NAVIGATION
 from visitlab_cli.yaml.document import Node, Place, located
 from visitlab_cli.yaml.include import read_with_includes
 from visitlab_cli.yaml.overrides import apply_overrides
@@ -25,8 +27,6 @@ from visitlab_cli.yaml.problems import Problem, failure
 AGENTS = "agents"
 FLOOR = "random"
 """The kind of agent that stands at 0, and its name."""
-_STUB = "nobody"
-_AROUND = {"experiments": {_STUB: {"task": "navigation", "agents": [_STUB], "steps": 20, "trial_steps": 20}}}
 
 
 class Contender(NamedTuple):
@@ -71,7 +71,7 @@ def contenders(word: str, overrides: Sequence[str] = (), names: Sequence[str] = 
         keys = [f"{AGENTS}.{word}.{each}" if "=" in each else each for each in overrides]
         document, problems = apply_overrides(document, keys, NAMED)
     declared = _checked(document, problems)
-    known = [name for name in declared if name != _STUB]
+    known = list(declared)
     for name in names:
         if name not in known:
             raise NotFoundError(f"--agent {printable(name)}: the config declares no such agent{or_else(name, known)}")
@@ -116,14 +116,21 @@ def _checked(document: Node, problems: list[Problem]) -> dict[str, tuple[AgentPa
     """The parameters and plain settings of each agent in a document, `like` resolved; nothing else of it counts."""
     here = Place(document.place.source)
     agents = document.entries().get(AGENTS, Node({}, here, here))
-    around = located({"name": _STUB, **_AROUND}, here).entries()
     if not isinstance(agents.value, dict):
         raise failure([*problems, Problem(agents.place, (AGENTS,), "must be a mapping of names to agents")])
-    agents = agents.with_entries({**agents.entries(), _STUB: located({KIND: FLOOR}, here)})
+    stub = "nobody"  # plays the experiment that a config must have
+    while stub in agents.value:
+        stub += "_"
+    agents = agents.with_entries({**agents.entries(), stub: located({KIND: FLOOR}, here)})
+    around = {
+        "name": stub,
+        "experiments": {stub: {"task": NAVIGATION, "agents": [stub], "steps": TRAINING_TRIAL_STEPS}},
+    }
     kept = [problem for problem in problems if problem.path[:1] in ((), (AGENTS,))]
-    config = build(document.with_entries({**around, AGENTS: agents}), kept)
+    config = build(document.with_entries({**located(around, here).entries(), AGENTS: agents}), kept)
     plain = canonical(config)[AGENTS]
-    if len(plain) == 1:
+    del plain[stub]
+    if not plain:
         raise UsageError(f"{document.place.source}: declares no agents, so there is nothing to score")
     return {name: (config.agents[name], plain[name]) for name in plain}
 
