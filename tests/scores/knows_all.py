@@ -9,16 +9,13 @@ from visitlab_cli.exact.navigation import navigation_optimal_q
 
 
 class KnowsAllParameters(AgentParameters):
-    """Acts by the optimal Q; `fails` says that it can't even begin."""
+    """Acts by the optimal Q."""
 
     tasks: ClassVar[tuple[str, ...]] = ("navigation",)
     learns: ClassVar[bool] = False
     kind: Literal["knows_all"]
-    fails: bool = False
 
     def create(self, setting):
-        if self.fails and setting.cell:
-            raise RuntimeError("it would not begin")
         return GreedyTable(navigation_optimal_q(0.9).copy())
 
     def restore(self, setting, saved):

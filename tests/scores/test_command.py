@@ -13,6 +13,7 @@ from tests.scores.test_rows import ROWS
 from visitlab_cli.origin import is_ours
 
 PLUGIN = ROWS.with_name("knows_all.py")
+FAILS = ROWS.parents[1] / "agents" / "plain_q.py"
 T_OF_TWO_DEGREES = 4.302653  # 97.5% quantile
 SEEDS = 3
 
@@ -53,7 +54,8 @@ def rewards(run, path):
 
 
 def by_hand(scores):
-    return fmean(scores), T_OF_TWO_DEGREES * stdev(scores) / math.sqrt(len(scores))
+    return fmean(scores), FAILS = ROWS.parents[1] / "agents" / "plain_q.py"
+T_OF_TWO_DEGREES * stdev(scores) / math.sqrt(len(scores))
 
 
 def test_a_score_is_the_share_of_the_way_from_random_to_best_with_t_over_seeds(out, learned):
@@ -106,8 +108,9 @@ def test_the_floor_is_zero_and_who_knows_all_is_one(out, learned):
     found = lines(told)
     assert found["speed"]["score"]["mean"] == pytest.approx(1, abs=0.05)
     assert found["speed"]["score"]["mean"] > lines(learned)["speed"]["score"]["mean"]
-    for row in ("both", "remembers", "visit", "cpu"):
+    for row in ("both", "remembers", "cpu"):
         assert (found[row]["score"], found[row]["reason"]) == (None, "can't play social; it plays navigation")
+    assert found["visit"]["reason"] == "can't play visit; it plays navigation"
 
 
 def test_what_is_done_is_kept_and_what_is_missing_comes_again_byte_by_byte(out, learned):
@@ -116,17 +119,16 @@ def test_what_is_done_is_kept_and_what_is_missing_comes_again_byte_by_byte(out, 
     shutil.rmtree(run / "social" / "q_learning" / "fast" / "seed-0001")
     (run / "again" / "q_learning" / "fast" / "seed-0002" / "cell.json").unlink()
     again, done = score(out, "q_learning")
-    assert "2 of 24 cells to do" in done.stderr
+    assert "2 of 21 cells to do" in done.stderr
     assert only_cells(hashes(run)) == before
     timeless = [{name: line for name, line in lines(each).items() if name != "cpu"} for each in (again, learned)]
     assert timeless[0] == timeless[1]
 
 
 def test_a_cell_that_fails_is_a_row_with_the_reason_and_exit_code_4(out):
-    told, done = score(out, "knows_all", "fails=true", "--plugin", PLUGIN, "--only", "speed", code=4)
-    assert lines(told)["speed"]["reason"].startswith("failed: ")
-    assert "it would not begin" in lines(told)["speed"]["reason"]
-    assert "navigation/knows_all/seed-0000: " in done.stderr
+    told, done = score(out, "plain_q", "wrong_at=30", "--plugin", FAILS, "--only", "speed", code=4)
+    assert lines(told)["speed"]["reason"].startswith("failed: its agent (kind plain_q) failed in trial 1, step 10")
+    assert "navigation/plain_q/seed-0000: " in done.stderr
 
 
 def test_agents_of_a_config_stand_beside_one_another_in_all_that_is_written(out, tmp_path, learned):

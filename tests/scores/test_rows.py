@@ -9,6 +9,7 @@ from tests.program import visitlab
 from visitlab_cli.agents.registry import KINDS
 from visitlab_cli.config.loading import load
 from visitlab_cli.errors import ConfigError, NotFoundError
+from visitlab_cli.exact.social import optimum
 from visitlab_cli.scores.anchors import best_of, check_best
 from visitlab_cli.scores.asking import ask
 from visitlab_cli.scores.contenders import contenders, floor
@@ -42,6 +43,13 @@ def test_what_is_best_of_the_papers_humans_is_what_is_known_of_them():
     assert best_of(rows, rows.rows["human_3"], cells[0]).value == 6.32
     (cells,) = asked.cells_of(rows, "navigation")
     assert best_of(rows, rows.rows["navigation"], cells[0]).value == pytest.approx(18.0787, abs=1e-4)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("human", read_rows().optima)
+def test_the_optima_of_the_rows_are_those_that_are_computed(human):
+    asked = ask(read_rows(), floor(), 1)
+    assert read_rows().optima[human] == pytest.approx(optimum(asked.config.humans[human]), abs=0.005)
 
 
 def test_every_kind_of_ours_is_among_the_agents_that_the_page_shows():
@@ -90,13 +98,11 @@ def test_a_folder_without_rows_is_not_found(tmp_path):
 
 
 def test_an_optimum_that_nobody_knows_is_told_before_anything_is_played(copied, tmp_path):
-    file = copied / "00_shared.yaml"
-    file.write_text(file.read_text().replace(", slow: 8", ""))
+    file = copied / "10_tiny.yaml"
+    file.write_text(file.read_text().replace("best: {value: 16.8, source: best known of a test}", "best: optimum"))
     done = visitlab("score", "random", "--rows", copied, "--out", tmp_path / "runs", "--seeds", 1)
     assert (done.returncode, done.stderr.count("\n")) == (2, 1)
-    assert done.stderr.startswith("visitlab score: adapting/random/slow: no optimum of slow is known") or (
-        done.stderr.startswith("adapting/random/slow: no optimum of slow is known")
-    )
+    assert done.stderr.startswith("visit/fast: no optimum of fast is known")
     assert not (tmp_path / "runs").exists()
 
 

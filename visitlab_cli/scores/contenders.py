@@ -139,5 +139,5 @@ def _contender(name: str, declared: Mapping[str, tuple[AgentParameters, Any]]) -
     parameters, plain = declared[name]
     others = [getattr(parameters, field) for field in parameters.references]
     needed = {name: plain, **{other: declared[other][1] for other in others}}
-    tasks = tuple(task for task in parameters.tasks if all(task in declared[other][0].tasks for other in others))
+    tasks = tuple(task for task in parameters.playable if all(task in declared[other][0].playable for other in others))
     return Contender(name, parameters, json.loads(json.dumps(needed)), tasks)
