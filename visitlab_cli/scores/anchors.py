@@ -8,6 +8,7 @@ from visitlab_cli.exact.values import possible
 from visitlab_cli.plan.cells import Cell
 from visitlab_cli.scores.asking import Asked
 from visitlab_cli.scores.rows import Known, Row, Rows
+from visitlab_cli.world.tasks import SOCIAL
 
 EXACT = "exact optimum"
 
@@ -44,7 +45,7 @@ def check_best(rows: Rows, names: Sequence[str], asked: Asked) -> None:
 
 def _optimum(rows: Rows, cell: Cell) -> float:
     """As the rows have it, for of a human it takes ten seconds to compute; else computed, and kept by `exact/`."""
-    if cell.human in rows.optima:
+    if cell.task == SOCIAL and cell.human in rows.optima:
         return rows.optima[cell.human]
     config = cell.config
     found = possible(cell.settings, config.interaction.distances, config.humans.get(cell.human))
