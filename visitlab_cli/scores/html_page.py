@@ -14,7 +14,7 @@ from visitlab_cli.report.page import STYLES, header, joined, palette
 from visitlab_cli.report.sections import section
 from visitlab_cli.report.tables import UNKNOWN
 from visitlab_cli.scores.judging import Card, Line, Scorecard
-from visitlab_cli.scores.words import number, row_words, score_words
+from visitlab_cli.scores.words import number, row_words, score_words, value_words
 
 WHOLE = (-0.05, 1.05)
 """What the pictures of scores show at least."""
@@ -121,7 +121,7 @@ def _row(line: Line, scale: Scale) -> Html:
     if line.score is not None:
         score = [element("b", number(line.score.mean)), picture(line.score, scale)]
     cells = (
-        ("Value", [score_words(line.value), element("small", line.unit)]),
+        ("Value", [value_words(line.value), element("small", line.unit)]),
         ("Random", [UNKNOWN if line.random is None else number(line.random)]),
         ("Best", [UNKNOWN if line.best is None else number(line.best)]),
         ("What is best", [line.best_is or UNKNOWN]),

@@ -57,8 +57,7 @@ def _parts(card: Scorecard, rows: Rows, picture: str | None) -> Iterator[str]:
         if line.best_is not in (None, EXACT)
     )
     yield (
-        "Random is measured, best is the exact optimum (navigation and go_to_human: `visitlab optimum`; the "
-        "social task: backward induction over relative cell, headings, engagement, desired direction and steps left)"
+        "Random is measured, best is the exact optimum (`visitlab optimum`)"
         + "".join(f"; {each}" for each in others)
         + ". Random and best are taken as known: the intervals are those of the agent."
     )

@@ -15,7 +15,14 @@ def row_words(row: str) -> str:
 
 
 def score_words(estimate: Estimate | None) -> str:
-    """A score or a value with half its interval."""
+    """A score, or a cost, with half its interval: two digits, for finer differences are none that matter."""
+    if estimate is None or math.isnan(estimate.half):
+        return number(estimate and estimate.mean)
+    return f"{estimate.mean:z.2f} ± {estimate.half:.2f}"
+
+
+def value_words(estimate: Estimate | None) -> str:
+    """A value with half its interval."""
     return NOTHING if estimate is None else estimate.in_words(unknown="")
 
 
@@ -36,7 +43,7 @@ def one_card(card: Card) -> list[list[str]]:
     rows = [["row", "score", "95% interval", "n", "value", "random", "best", "of"]]
     for line in card.lines:
         score = NOTHING if line.score is None else number(line.score.mean)
-        ends = score, interval_words(line.score), f"{line.n}", score_words(line.value), number(line.random)
+        ends = score, interval_words(line.score), f"{line.n}", value_words(line.value), number(line.random)
         rows.append([row_words(line.row), *ends, number(line.best), line.reason or line.unit])
     return rows
 
