@@ -177,3 +177,30 @@ def test_a_file_is_named_by_the_command_or_the_variable_never_by_the_config(tmp_
         f"{file} can't be imported: ModuleNotFoundError: No module named 'nothing_of_that_name'; mend it" in done.stderr
     )
     assert os.environ.get("VISITLAB_PLUGINS") is None
+
+
+@pytest.mark.parametrize("section", ["agents", "humans"])
+def test_a_compiled_kind_that_raises_when_it_is_made_fails_in_its_cells_alone(tmp_path, section):
+    base, theirs = {
+        "agents": ("visitlab_cli.agents.q_learning.QLearningParameters", "agents: [theirs, mf], humans: [ours]"),
+        "humans": ("visitlab_cli.humans.six_parameters.SixParameters", "agents: [mf], humans: [theirs, ours]"),
+    }[section]
+    module, _, name = base.rpartition(".")
+    file = tmp_path / "mine.py"
+    file.write_text(
+        f"from typing import Literal\nfrom {module} import {name}\n\n\nclass Mine({name}):\n"
+        '    kind: Literal["theirs"]\n\n    def create(self, *setting):\n        raise KeyError("lost")\n'
+    )
+    who = {"agents": {"mf": "{kind: q_learning}"}, "humans": {"ours": "{p_S: [1, 0, 0]}"}}
+    who[section]["theirs"] = "{kind: theirs}" if section == "agents" else "{kind: theirs, p_S: [1, 0, 0]}"
+    told = [f"{name}: {{{', '.join(f'{key}: {value}' for key, value in each.items())}}}" for name, each in who.items()]
+    config = tmp_path / "others.yaml"
+    config.write_text(
+        "\n".join(["name: others", *told, f"experiments: {{s: {{task: social, {theirs}, steps: 2000}}}}"])
+    )
+    done = visitlab("run", config, "--plugin", file, "--out", tmp_path / "runs", "--workers", 1)
+    assert (done.returncode, "Traceback" in done.stderr) == (4, False), done.stderr
+    run = the_run(tmp_path / "runs")
+    (kept,) = (run / "failures").iterdir()
+    assert "KeyError: 'lost'" in kept.read_text()
+    assert (run / "s/mf/ours/seed-0000/cell.json").exists()

@@ -1,16 +1,15 @@
 """Compiling before the workers start, once, and saying so; a damaged cache is thrown away and made anew."""
 
 import contextlib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import cache
-
-from numba.core.errors import NumbaError
 
 from visitlab_cli.agents.base import Saved, Setting
 from visitlab_cli.agents.plain import AgentFailedError
 from visitlab_cli.compiled import JIT_DISABLED, place_of, records_in
 from visitlab_cli.config.experiment import lab_of
+from visitlab_cli.errors import VisitlabError
 from visitlab_cli.execution.build import Simulation, build
 from visitlab_cli.execution.cell_runner import simulate
 from visitlab_cli.kernel_cache import VARIABLE, KernelCache
@@ -38,7 +37,7 @@ def warm_up(cells: Sequence[Cell], say: Callable[[str], None]) -> None:
 def compile_here(cell: Cell) -> None:
     """Compile or load in this process, once, what `cell` needs, so that what it does afterwards is simulation."""
     if not JIT_DISABLED and _pair(cell) not in _compiled_here:
-        with contextlib.suppress(AgentFailedError, NumbaError):  # the cell itself will tell
+        with _told_by_the_cell():
             _play(_one_step(cell))
             _compiled_here.add(_pair(cell))
 
@@ -47,26 +46,34 @@ def _warm_up(cells: Sequence[Cell], say: Callable[[str], None]) -> None:
     KernelCache.damage_found = cache(lambda: say("the cache of compiled code is damaged: compiling again"))
     announced = False
     for name, cell in {_pair(cell): cell for cell in cells}.items():
-        try:
+        with _told_by_the_cell():
             simulation = _one_step(cell)
-        except AgentFailedError:
-            continue  # the cell fails alone, and tells it
-        place = place_of(records_in(tuple(stretch[:2] for stretch in simulation.stretches)))
-        marker = None if place.folder is None else place.folder / (COMPILED + name)
-        if not announced and (marker is None or not marker.exists()):
-            announced = True
-            if marker is None:
-                say(f"compiling (each time: {place.why}; set {VARIABLE} to a folder of your own)")
-            else:
-                say("compiling (first run only, about ten seconds)")
-        try:
+            place = place_of(records_in(tuple(stretch[:2] for stretch in simulation.stretches)))
+            marker = None if place.folder is None else place.folder / (COMPILED + name)
+            if not announced and (marker is None or not marker.exists()):
+                announced = True
+                if marker is None:
+                    say(f"compiling (each time: {place.why}; set {VARIABLE} to a folder of your own)")
+                else:
+                    say("compiling (first run only, about ten seconds)")
             _play(simulation)
-        except (AgentFailedError, NumbaError):
-            continue  # likewise
-        _compiled_here.add(name)
-        if marker is not None:
-            with contextlib.suppress(OSError):
-                marker.touch()
+            _compiled_here.add(name)
+            if marker is not None:
+                with contextlib.suppress(OSError):
+                    marker.touch()
+
+
+@contextlib.contextmanager
+def _told_by_the_cell() -> Iterator[None]:
+    """Pass over what somebody else's kind raises: the cell will raise it, too, fail alone and keep its traceback."""
+    try:
+        yield
+    except AgentFailedError:
+        pass
+    except VisitlabError:
+        raise
+    except Exception:
+        pass
 
 
 def _pair(cell: Cell) -> str:
