@@ -177,5 +177,5 @@ def test_what_can_not_be_done_is_one_line_before_anything_is_played(tmp_path, wo
 def test_without_an_agent_the_questions_are_told():
     done = visitlab("score", "--json")
     told = json.loads(done.stdout)
-    assert told["questions"]["human_1"]["of"] == ["social_long/AGENT/human_1"]
+    assert told["questions"]["human_1"]["of"] == ["social/AGENT/human_1"]
     assert "Does it bear distraction?" in visitlab("score").stdout

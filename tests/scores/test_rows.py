@@ -25,7 +25,7 @@ def copied(tmp_path):
     return shutil.copytree(ROWS, tmp_path / "rows")
 
 
-def test_all_that_the_issue_asks_is_among_the_shipped_rows_and_each_can_be_judged():
+def test_the_shipped_rows_ask_of_every_task_and_each_can_be_judged():
     rows = read_rows()
     asked = ask(rows, floor(), 1)
     check_best(rows, list(rows.rows), asked)
