@@ -196,6 +196,10 @@ class Experiment(Settings):
         """The same with each module named in full, so that one setting has one spelling."""
         return self
 
+    def frozen(self) -> Self:
+        """The same where nothing is learned any more."""
+        return self
+
     def task_in(self, site: Site) -> Any:
         """The task's record, for which `begin_trial`, `step` and `observe` are registered."""
         raise NotImplementedError

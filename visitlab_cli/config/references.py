@@ -16,7 +16,7 @@ from visitlab_cli.settings import key_of
 from visitlab_cli.simulation.controller import LEAD, MASK, PLAN
 from visitlab_cli.wording import or_else, printable
 from visitlab_cli.world.columns import ENGAGEMENT
-from visitlab_cli.world.tasks import SOCIAL, VISIT
+from visitlab_cli.world.tasks import NAVIGATION, SOCIAL, VISIT
 from visitlab_cli.yaml.problems import Issue, Path
 
 
@@ -148,6 +148,12 @@ def _controller(path: Path, visit: Visit, social: AgentParameters | None, declar
     if options and navigation is not None and not navigation.plans:
         message = f"needs a navigation module that learns a model; {name}, of kind {_kind(navigation)}, has none"
         yield Issue((*path, "controller"), message)
+    if NAVIGATION in visit.learns and not options:
+        message = "navigation goes on learning where moves end, which only another controller than the paper's asks it"
+        yield Issue((*path, "learns"), message)
+    if "navigation_model" in visit.model_fields_set and NAVIGATION not in visit.learns:
+        message = "means nothing here: navigation does not go on learning; leave it out"
+        yield Issue((*path, "navigation_model"), message, at="key")
     if MASK in options and social is not None and not social.takes_masks:
         message = f"can't mask the social module's agent, which is of kind {_kind(social)}"
         yield Issue((*path, "controller"), message)

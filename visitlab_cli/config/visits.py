@@ -1,9 +1,9 @@
 """The visit as a config declares it: the three modules together lead a human through goal rooms."""
 
 from collections.abc import Mapping
-from typing import Any, ClassVar, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
-from pydantic import Field
+from pydantic import BeforeValidator, Field, WithJsonSchema
 
 from visitlab_cli.agents.base import AgentParameters, Saved, Setting
 from visitlab_cli.config.controller import Controller, options_of
@@ -25,6 +25,20 @@ from visitlab_cli.world.tasks import GO_TO_HUMAN, NAVIGATION, SOCIAL
 from visitlab_cli.world.visit import VisitWorld, make_visit_world
 
 MODULE_TASKS = (NAVIGATION, GO_TO_HUMAN, SOCIAL)
+
+
+def _learns(given: Any) -> Any:
+    names = tuple(given) if isinstance(given, list | tuple) else given
+    if names not in ((SOCIAL,), (SOCIAL, NAVIGATION), (NAVIGATION, SOCIAL)):
+        raise ValueError("must be [social] or [social, navigation]; nothing learns in visitlab eval --frozen")
+    return (SOCIAL, NAVIGATION) if NAVIGATION in names else (SOCIAL,)
+
+
+Learns = Annotated[
+    tuple[Literal["social", "navigation"], ...],
+    BeforeValidator(_learns),
+    WithJsonSchema({"type": "array", "minItems": 1, "uniqueItems": True, "items": {"enum": [SOCIAL, NAVIGATION]}}),
+]
 
 
 class Modules(Settings):
@@ -79,6 +93,18 @@ class Visit(InLab):
     told: bool = Field(
         default=False,
         description="whether a controller that plans is told the human's p_S and p_A; else it estimates them",
+        json_schema_extra=since("0.2.0"),
+    )
+    learns: Learns = Field(
+        default=("social",),
+        description="which modules go on learning: the social one, and navigation, for a controller that uses what it "
+        "knows of moving",
+        json_schema_extra=since("0.2.0"),
+    )
+    navigation_model: Literal["last_seen", "own"] = Field(
+        default="last_seen",
+        description="what navigation goes on with: where a move from a cell was last seen to end, or where most often, "
+        "training included",
         json_schema_extra=since("0.2.0"),
     )
     phases: VisitPhases
@@ -144,7 +170,8 @@ class Visit(InLab):
 
     def idle(self, agents: Mapping[str, AgentParameters]) -> tuple[str, ...]:
         """Also the planning options where the social module does not plan; `told` where the controller does not."""
-        untold = () if PLAN in self.options else ("told",)
+        untold: tuple[str, ...] = () if PLAN in self.options else ("told",)
+        untold += () if NAVIGATION in self.learns else ("navigation_model",)
         plans = agents[self.starts[SOCIAL].agent].plans
         return (*super().idle(agents), *untold, *(() if plans else self.planning_options))
 
@@ -172,7 +199,8 @@ class Visit(InLab):
             window = RECENT if len({phase.met for phase in self.phases}) > 1 else 0
             worlds = [self._world(site._replace(lab=lab)) for lab in dict.fromkeys(self.labs)]
             model, reach = site.models[NAVIGATION], site.distances[-1]
-            controller = make_planned(self.options, world, model, reach, told, window, worlds)
+            learns = self.navigation_model if NAVIGATION in self.learns else None
+            controller = make_planned(self.options, world, model, reach, told, window, worlds, learns)
         return make_visit(world, *tables, self.trial_steps, self.social_reward, controller)
 
     def _world(self, site: Site) -> VisitWorld:
@@ -183,6 +211,10 @@ class Visit(InLab):
     def going_on(self, task: VisitTask, other: VisitTask) -> VisitTask:
         """The controller goes on, with what it knows and plans, unless it is told of each human."""
         return other if self.told else task._replace(world=other.world)
+
+    def frozen(self) -> Self:
+        """Navigation learns nothing, either."""
+        return self.model_copy(update={"learns": (SOCIAL,)})
 
     def parameters_of(self, agent: AgentParameters) -> AgentParameters:
         """Those of the social module, which plans as often as the visit says."""

@@ -50,7 +50,7 @@ def build(cell: Cell, models: Mapping[str, Saved]) -> Simulation:
     Raises:
         RunError: a model does not have the shape that its task asks for.
     """
-    settings, config = cell.settings, cell.config
+    settings, config = cell.settings.frozen() if cell.frozen else cell.settings, cell.config
     lab = lab_of(settings)
     tables, learned = {}, {}
     for module in cell.modules:

@@ -15,6 +15,7 @@ from visitlab_cli.compiled import Operation, kernel, long_kernel
 from visitlab_cli.random_numbers import RandomState
 from visitlab_cli.simulation.estimates import Estimates, make_estimates, notice
 from visitlab_cli.simulation.lead import Lead, leading_action, make_lead, offset_of, start_lead, sweep_lead
+from visitlab_cli.simulation.learned_moves import Learning, learn_moves, make_learning
 from visitlab_cli.simulation.successors import (
     Cells,
     Successors,
@@ -49,7 +50,7 @@ class Planned(NamedTuple):
 
     `clock` (4,): trials begun; whether there is a plan; whether `known.after` has changed since, which whoever
     changes it says; whether anything is known of moving, without which there is nothing to plan.
-    `rooms` (cells,) are the rooms of the cells of a lab with `cols` columns.
+    `learning` is whether `known` goes on. `rooms` (cells,) are the rooms of the cells of a lab with `cols` columns.
     """
 
     route: bool
@@ -57,6 +58,7 @@ class Planned(NamedTuple):
     plan: bool
     lead: bool
     known: Successors
+    learning: Learning
     estimates: Estimates
     leading: Lead
     rooms: Cells
@@ -76,6 +78,7 @@ def make_planned(
     told: tuple[tuple[float, ...], float] | None = None,
     window: int = 0,
     others: Sequence[VisitWorld] = (),
+    learns: str | None = None,
 ) -> Planned:
     """A controller that has not planned yet.
 
@@ -87,6 +90,7 @@ def make_planned(
         told: the human's p_S and p_A, where they are not to be estimated.
         window: estimates are over so many of the last chances; 0 for all.
         others: the worlds of later phases, which may have other walls and goals; sight is taken to be as in the first.
+        learns: how what is known of moving goes on, `LAST_SEEN` or `OWN`; not at all unless given.
     """
     leads = LEAD in options
     rooms = world.lab.rooms.ravel()
@@ -100,7 +104,8 @@ def make_planned(
     clock[HAS_MODEL] = len(model["successor_states"]) > 0
     estimates = make_estimates(window, told)
     chosen = (ROUTE in options, MASK in options, PLAN in options, leads)
-    return Planned(*chosen, known, estimates, leading, rooms, world.lab.cols, clock)
+    learning = make_learning(learns, model, known)
+    return Planned(*chosen, known, learning, estimates, leading, rooms, world.lab.cols, clock)
 
 
 def _prepare(controller, direction_values):  # type: ignore[no-untyped-def]
@@ -237,6 +242,8 @@ def _by_the_route(controller: Planned, go_to_human: Table, scene: Scene, visible
 
 @OBSERVED.of(Planned)
 def _notice(controller: Planned, before: Scene, after: Scene) -> None:
+    if learn_moves(controller.learning, controller.known, before, after, controller.cols):
+        controller.clock[IS_NEW] = 1
     if controller.plan:
         notice(controller.estimates, controller.known, before, after, controller.cols)
 

@@ -64,8 +64,8 @@ def notice(estimates: Estimates, known: Successors, before: Scene, after: Scene,
     if estimates.fixed:
         return
     engaged = before.interaction_level >= InteractionLevel.GREETED
-    robot, human = before.robot_row * cols + before.robot_col, before.human_row * cols + before.human_col
-    in_reach = is_appropriate(before.distance) and known.sees[robot, human]
+    human = before.human_row * cols + before.human_col
+    in_reach = is_appropriate(before.distance)
     if engaged and in_reach and after.executed_action != Action.HELLO:  # a hello may win it back at once
         _notice_attention(estimates, after.interaction_level < InteractionLevel.GREETED)
     direction = direction_seen(before, after)

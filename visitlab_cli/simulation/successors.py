@@ -65,16 +65,23 @@ def sight_in(lab: Lab) -> npt.NDArray[np.bool_]:
 
 def learned_after(model: Saved, cells: int) -> Cells:
     """The cell that each physical action leads to most often, whatever the goal; of equals the first: (cells, 25)."""
+    here, action, ends, counts = pooled_counts(model, cells)
+    order = np.lexsort((-ends, counts))  # the last of each pair is its most frequent, the first of equals
+    after = np.repeat(np.arange(cells), N_PHYSICAL_ACTIONS).reshape(cells, N_PHYSICAL_ACTIONS)
+    after[here[order], action[order]] = ends[order]
+    return after
+
+
+def pooled_counts(model: Saved, cells: int) -> tuple[Cells, Cells, Cells, npt.NDArray[np.float64]]:
+    """What was seen in a navigation module's training: cells, actions, cells after it, how often, whatever the goal."""
     offsets = model["successor_offsets"]
     pairs = np.repeat(np.arange(len(offsets) - 1), np.diff(offsets))
     state, action = np.divmod(pairs, N_PHYSICAL_ACTIONS)
     here = state % cells * N_PHYSICAL_ACTIONS + action
     seen, which = np.unique(here * cells + model["successor_states"] % cells, return_inverse=True)
     counts = np.bincount(which, model["successor_counts"], len(seen))
-    order = np.lexsort((-seen, counts))  # the last of each pair is its most frequent, the first of equals
-    after = np.repeat(np.arange(cells), N_PHYSICAL_ACTIONS)
-    after[seen[order] // cells] = seen[order] % cells
-    return after.reshape(cells, N_PHYSICAL_ACTIONS)
+    start, taken = np.divmod(seen // cells, N_PHYSICAL_ACTIONS)
+    return start, taken, seen % cells, counts.astype(np.float64)
 
 
 @long_kernel
