@@ -157,6 +157,8 @@ class Setting(NamedTuple):
     seed: int = 0
     """The root of every random number, and the cell's path: what a stream of its own is made of."""
     cell: str = ""
+    goals: int = 1
+    """Of how many blocks of equal size its states are made up, one for each goal, in which the same actions lead on."""
 
 
 class Player(Protocol):

@@ -69,8 +69,8 @@ def check_agent(kind: str, **parameters: Any) -> list[Answer]:
 def check(parameters: AgentParameters) -> Iterator[Answer]:
     """Ask every question of an agent, one after another; the first of a task that it fails is its last there."""
     for task in parameters.tasks:
-        size = TASKS[task].size(paper_lab())
-        setting = Setting(task, *size, STEPS, seed=SEED, cell=f"check/{task}")
+        size, goals = TASKS[task].size(paper_lab()), TASKS[task].goals(paper_lab())
+        setting = Setting(task, *size, STEPS, seed=SEED, cell=f"check/{task}", goals=goals)
         random = np.random.default_rng(SEED)
         world = _World(random.integers(0, size.n_states, size), np.where(random.random(size) < 0.1, 1.0, 0.0))
         questions: list[tuple[str, Callable[[AgentParameters, Setting, _World], str]]] = [

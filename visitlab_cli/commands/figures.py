@@ -9,7 +9,7 @@ from visitlab_cli.console.help import Help
 from visitlab_cli.console.options import RUNS, Json, Out, Run
 from visitlab_cli.terminal import tell, tell_json
 
-FIGURES = ("fig6", "fig7", "fig8", "fig9", "grid", "phases", "visits")
+FIGURES = ("fig6", "fig7", "fig8", "fig9", "doors", "grid", "phases", "visits")
 """As `figures.making` draws them; which is too heavy to ask."""
 
 HELP = Help(

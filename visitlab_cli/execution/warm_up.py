@@ -108,6 +108,7 @@ def _empty_models(cell: Cell) -> dict[str, Saved]:
     agents, lab = cell.config.agents, lab_of(cell.settings)
     models = {}
     for module, start in cell.settings.starts.items():
-        setting = Setting(module, *TASKS[module].size(lab), 1, agents)
+        task = TASKS[module]
+        setting = Setting(module, *task.size(lab), 1, agents, goals=task.goals(lab))
         models[module] = agents[start.agent].save(agents[start.agent].create(setting))
     return models

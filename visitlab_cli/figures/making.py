@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from visitlab_cli.errors import NotFoundError, UsageError
+from visitlab_cli.figures.doors_figure import draw_doors
 from visitlab_cli.figures.grid_figure import draw_grid
 from visitlab_cli.figures.phases_figure import draw_phases
 from visitlab_cli.figures.visits_figure import draw_visits
@@ -20,16 +21,17 @@ from visitlab_cli.storage.inside import check_inside
 from visitlab_cli.storage.locks import being_written
 from visitlab_cli.storage.on_disk import FIGURES
 
-FIG_9, GRID, PHASES, VISITS = "fig9", "grid", "phases", "visits"
+FIG_9, DOORS, GRID, PHASES, VISITS = "fig9", "doors", "grid", "phases", "visits"
 DRAW: dict[str, Callable[[Source], Drawing]] = {
     "fig6": draw_fig6,
     "fig7": draw_fig7,
     "fig8": draw_fig8,
+    DOORS: draw_doors,
     GRID: draw_grid,
     PHASES: draw_phases,
     VISITS: draw_visits,
 }
-NAMES = (*(name for name in DRAW if name < FIG_9), FIG_9, *(name for name in DRAW if name > FIG_9))
+NAMES = (*(name for name in DRAW if name.startswith("fig")), FIG_9, *(name for name in DRAW if name[:3] != "fig"))
 """All figures, also Fig. 9, which is drawn by whoever can draw a strip."""
 
 

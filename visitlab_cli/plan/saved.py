@@ -49,8 +49,10 @@ def _check_log(run: Path, cell: Cell) -> None:
 def setting_of(cell: Cell) -> Setting:
     """Where a cell's agent plays."""
     settings, config = cell.settings, cell.config
-    size = settings.plays.size(lab_of(settings))
-    return Setting(cell.task, *size, settings.n_steps, config.agents, config.seed, cell.path)
+    lab, plays = lab_of(settings), settings.plays
+    n_states, n_actions = plays.size(lab)
+    setting = Setting(cell.task, n_states, n_actions, settings.n_steps, config.agents, config.seed, cell.path)
+    return setting._replace(goals=plays.goals(lab))
 
 
 def declared(cell: Cell) -> dict[str, Declared] | None:

@@ -197,7 +197,7 @@ def _learned(path: Path, task: Task, lab: Lab, cell: str, config: dict[str, Any]
     with contextlib.suppress(VisitlabError, LookupError, TypeError, AttributeError, ValueError):
         agents = agents_of(config)
         agent = agents[player_of(config, cell)]
-        setting = Setting(task.name, *task.size(lab), 1, agents)
+        setting = Setting(task.name, *task.size(lab), 1, agents, goals=task.goals(lab))
         return agent.values(read_model(file, agent.arrays(setting)))
     return None
 

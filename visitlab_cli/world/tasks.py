@@ -78,6 +78,10 @@ class Task:
         """The columns that its log always has, in their order."""
         return tuple(column for column in COLUMNS if column.part in self.parts)
 
+    def goals(self, lab: Rooms) -> int:
+        """Of how many blocks of equal size the states are made up, one for each goal: rooms, or one for all."""
+        return lab.n_rooms if self.n_states is None else 1
+
     def size(self, lab: Rooms) -> TaskSize:
         """The deciding module's states and actions in a lab."""
         n_states = lab.n_rooms * lab.rows * lab.cols if self.n_states is None else self.n_states
