@@ -32,7 +32,7 @@ def model_of(lab):
     }
 
 
-def visit_in(lab, *options, human=HUMAN, told=None, model=None, window=0):
+def visit_in(lab, *options, human=HUMAN, told=None, model=None, window=0, learns=None):
     """A visit of 50 steps a trial; navigation's and go_to_human's own values are zero."""
     from visitlab_cli.humans.six_parameters import SixParameters
     from visitlab_cli.simulation.controller import make_planned
@@ -40,9 +40,8 @@ def visit_in(lab, *options, human=HUMAN, told=None, model=None, window=0):
     from visitlab_cli.world.visit import make_visit_world
 
     world = make_visit_world(SixParameters(**human).create(), lab=lab)
-    planned = (
-        make_planned(options, world, model_of(lab) if model is None else model, 5, told, window) if options else None
-    )
+    known = model_of(lab) if model is None else model
+    planned = make_planned(options, world, known, 5, told, window, learns=learns) if options else None
     q = np.zeros((lab.n_rooms * lab.rows * lab.cols, 25)), np.zeros((320, 25))
     return make_visit(world, *q, 50, controller=planned)
 
