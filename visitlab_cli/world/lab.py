@@ -15,10 +15,12 @@ import numpy.typing as npt
 from visitlab_cli.compiled import Operation, kernel
 from visitlab_cli.random_numbers import RandomState, happens, random_below
 from visitlab_cli.world.enums import N_DIRECTIONS, Direction
-from visitlab_cli.world.sight import Doors, NoDoors, NoWalls, Walls, doors_between, in_sight, visible_pairs
+from visitlab_cli.world.sight import Doors, NoDoors, NoWalls, Walls, in_sight, sight_of
 from visitlab_cli.world.walls import COL_STEPS as COL_STEPS
 from visitlab_cli.world.walls import ROW_STEPS as ROW_STEPS
 from visitlab_cli.world.walls import Cell, Pair, crossing, inside, reach_of
+
+Ints = npt.NDArray[np.int64]
 
 ALL_OPEN = -1
 """The doors of a scene in which none is shut: every bit set."""
@@ -127,23 +129,24 @@ def make_lab(
         needed |= np.where(crossing(rows, cols, leaves), np.uint64(1 << number), np.uint64(0)).view(np.int64)
     begin = (plan != SOLID) if starts is None else np.asarray(starts, np.bool_)
     is_open = not (len(doors) or barred.any()) and bool(begin.all())
+    sight, masks = (np.zeros((0, 0), np.uint8), np.zeros(0, np.int64)) if is_open else sight_of(passable, needed)
     lab = Lab(
         rows,
         cols,
         n_rooms,
         plan,
         reach_of(passable),
-        _doors(needed, chances or [0.0] * len(doors), shut) if len(doors) else NoDoors(),
-        NoWalls() if is_open else Walls(visible_pairs(passable), np.flatnonzero(begin)),
+        _doors(needed, masks, chances or [0.0] * len(doors), shut) if len(doors) else NoDoors(),
+        NoWalls() if is_open else Walls(sight, np.flatnonzero(begin)),
     )
     names = tuple(letters) or tuple(map(str, range(n_rooms)))
     _about[lab] = _About(names, tuple(range(n_rooms)) if goals is None else tuple(goals))
     return lab
 
 
-def _doors(needed: npt.NDArray[np.int64], chances: Sequence[float], shut: Collection[int]) -> Doors:
+def _doors(needed: Ints, masks: Ints, chances: Sequence[float], shut: Collection[int]) -> Doors:
     begin = (1 << len(chances)) - 1 - sum(1 << door for door in shut)
-    return Doors(len(chances), needed, *doors_between(needed), np.array(chances), begin)
+    return Doors(len(chances), needed, masks, np.array(chances), begin)
 
 
 @cache

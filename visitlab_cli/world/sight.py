@@ -16,6 +16,9 @@ from visitlab_cli.compiled import Operation
 from visitlab_cli.world.enums import N_DIRECTIONS
 from visitlab_cli.world.walls import COL_STEPS, ROW_STEPS
 
+UNSEEN, SEEN, THROUGH_DOORS = range(3)
+"""How two cells are to each other."""
+
 
 class NoDoors(NamedTuple):
     """The doors of a lab without any, a type of its own: where there are none, nothing is compiled that looks."""
@@ -26,13 +29,12 @@ class NoDoors(NamedTuple):
 class Doors(NamedTuple):
     """Doors that can be shut: which of them a unit step needs open, bit i for door i, shape (rows, cols, 8).
 
-    `between[a, b]` is which of `masks` says what doors two cells need open to see each other: shape (cells, cells).
+    `masks` are the sets of doors that pairs of cells need open to see each other, as `Walls.sight` numbers them.
     `chances` (number,) is how likely each is opened or shut before a trial, `begin` which are open at first.
     """
 
     number: int
     needed: npt.NDArray[np.int64]
-    between: npt.NDArray[np.int32]
     masks: npt.NDArray[np.int64]
     chances: npt.NDArray[np.float64]
     begin: int
@@ -45,26 +47,32 @@ class NoWalls(NamedTuple):
 
 
 class Walls(NamedTuple):
-    """`visible[a, b]`: whether two cells see each other with all doors open, shape (cells, cells).
+    """`sight[a, b]`: `UNSEEN`, `SEEN`, or from `THROUGH_DOORS` on which of `Doors.masks` must be open: (cells, cells).
 
     `starts` are the cells, row * cols + col, in which a trial may begin: those that can be reached.
     """
 
-    visible: npt.NDArray[np.bool_]
+    sight: npt.NDArray[np.unsignedinteger[Any]]
     starts: npt.NDArray[np.int64]
 
+    @property
+    def visible(self) -> npt.NDArray[np.bool_]:
+        """Whether two cells see each other with all doors open, shape (cells, cells)."""
+        visible: npt.NDArray[np.bool_] = self.sight != UNSEEN
+        return visible
 
-def visible_pairs(passable: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
-    """Which cells see each other, shape (cells, cells), where `passable` says which unit steps are free."""
-    free = _over_segments(passable, np.logical_and, identity=True)
-    return free
 
-
-def doors_between(needed: npt.NDArray[np.int64]) -> tuple[npt.NDArray[np.int32], npt.NDArray[np.int64]]:
-    """`between` and `masks` of `Doors`, from the doors that each unit step needs open."""
-    masks, between = np.unique(_over_segments(needed, np.bitwise_or, identity=0), return_inverse=True)
-    cells = needed.shape[0] * needed.shape[1]
-    return between.reshape(cells, cells).astype(np.int32), masks
+def sight_of(
+    passable: npt.NDArray[np.bool_], needed: npt.NDArray[np.int64]
+) -> tuple[npt.NDArray[np.unsignedinteger[Any]], npt.NDArray[np.int64]]:
+    """`Walls.sight` and `Doors.masks`, from which unit steps are free, and the doors that each needs open."""
+    seen = _over_segments(passable, np.logical_and, identity=True)
+    if not needed.any():
+        return seen.astype(np.uint8), np.zeros(0, np.int64)
+    masks, which = np.unique(_over_segments(needed, np.bitwise_or, identity=0), return_inverse=True)
+    through = which.reshape(seen.shape) - 1 + THROUGH_DOORS  # the first of the masks, 0, needs none
+    sight = np.where(seen, np.where(which.reshape(seen.shape) == 0, SEEN, through), UNSEEN)
+    return sight.astype(np.min_scalar_type(int(sight.max()))), masks[1:]
 
 
 def _over_segments(of_steps: npt.NDArray[Any], combine: Any, identity: Any) -> npt.NDArray[Any]:
@@ -106,8 +114,8 @@ def crossings(down: int, right: int) -> Iterator[tuple[int, int, int]]:
 _DIRECTIONS = {(int(ROW_STEPS[each]), int(COL_STEPS[each])): each for each in range(N_DIRECTIONS)}
 
 
-def _seen_through(doors, a, b, open_doors):  # type: ignore[no-untyped-def]
-    """Whether all doors between two cells that see each other through them are open."""
+def _seen_through(doors, sight, open_doors):  # type: ignore[no-untyped-def]
+    """Whether two cells see each other that are to each other as `sight` says."""
 
 
 def _in_sight(walls, doors, cols, row, col, other_row, other_col, open_doors):  # type: ignore[no-untyped-def]
@@ -119,13 +127,15 @@ seen_through, in_sight = SEEN_THROUGH.function, IN_SIGHT.function
 
 
 @SEEN_THROUGH.of(NoDoors)
-def _nothing_shut(doors: NoDoors, a: int, b: int, open_doors: int) -> bool:
-    return True
+def _nothing_shut(doors: NoDoors, sight: int, open_doors: int) -> bool:
+    return sight != UNSEEN
 
 
 @SEEN_THROUGH.of(Doors)
-def _nothing_shut_between(doors: Doors, a: int, b: int, open_doors: int) -> bool:
-    open_all: bool = (doors.masks[doors.between[a, b]] & ~open_doors) == 0
+def _nothing_shut_between(doors: Doors, sight: int, open_doors: int) -> bool:
+    if sight < THROUGH_DOORS:
+        return sight != UNSEEN
+    open_all: bool = (doors.masks[sight - THROUGH_DOORS] & ~open_doors) == 0
     return open_all
 
 
@@ -147,6 +157,6 @@ def _everywhere(
 def _behind_no_wall(
     walls: Walls, doors: NoDoors | Doors, cols: int, row: int, col: int, other_row: int, other_col: int, open_doors: int
 ) -> bool:
-    a, b = row * cols + col, other_row * cols + other_col
-    seen: bool = walls.visible[a, b] and seen_through(doors, a, b, open_doors)
+    sight = int(walls.sight[row * cols + col, other_row * cols + other_col])
+    seen: bool = seen_through(doors, sight, open_doors)
     return seen
