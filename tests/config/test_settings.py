@@ -61,12 +61,20 @@ LATER: dict[str, dict[str, tuple[str, Any]]] = {
     **{name: PHASES | LAB for name in ("NavigationTraining", "GoToHumanTraining")},
     "SocialTraining": PHASES,
     "Config": {"labs": ("0.2.0", {})},
-    "Visit": PHASES | LAB | {"controller": ("0.2.0", "paper"), "told": ("0.2.0", False)},
+    "Visit": PHASES
+    | LAB
+    | {
+        "controller": ("0.2.0", "paper"),
+        "told": ("0.2.0", False),
+        "learns": ("0.2.0", ["social"]),
+        "navigation_model": ("0.2.0", "last_seen"),
+    },
 }
 """The version that a field came with, and its default, by the model: what comes to a model of `FIRST` is told here."""
 
 HASHES = {
-    "beyond/leading": "5610060a", "beyond/symmetry": "45768628",
+    "beyond/doors": "f08c50a4", "beyond/labs": "3fe4e1ef", "beyond/leading": "5610060a",
+    "beyond/symmetry": "45768628",
     "generalisation": "0a09fb53", "my-human": "3ed1abad", "paper": "c7c38838", "quickstart": "621f9df4",
     "paper/fig6_bootstrap": "824627de", "paper/fig6_go_to_human": "e03a6c1e", "paper/fig6_navigation": "fdd34bd0",
     "paper/fig6_social": "824627de", "paper/fig7": "35c89a7c", "paper/fig8_adaptation": "c161c773",
