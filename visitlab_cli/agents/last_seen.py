@@ -84,6 +84,10 @@ class LastSeenParameters(AgentParameters):
             "pays": floats(setting.n_states),
         }
 
+    def updates_a_step(self, setting: Setting, saved: Saved) -> float:
+        """All pairs in a sweep."""
+        return float(np.size(saved["q"])) / self.plan_every
+
     def models(self, saved: Saved) -> dict[str, Saved]:
         """What was seen of moving, as if once, with the first goal."""
         ends, n_states = saved["ends"], len(saved["q"])
