@@ -11,7 +11,7 @@ quickstart: $(READY)
 	$(BIN)/visitlab run configs/quickstart.yaml
 
 test: $(READY)
-	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 3 -rs
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 4 -rs
 
 test-slow: $(READY)
 	VISITLAB_TESTS_WITHOUT_FORKS=1 $(BIN)/python -m pytest -m slow

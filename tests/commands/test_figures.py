@@ -52,7 +52,11 @@ def test_a_run_with_nothing_to_draw(copy):
 @pytest.mark.parametrize(
     ("options", "code", "line"),
     [
-        (["--only", "fig5"], 2, "--only fig5: no such figure; there are fig6, fig7, fig8, fig9, grid, phases"),
+        (
+            ["--only", "fig5"],
+            2,
+            "--only fig5: no such figure; there are fig6, fig7, fig8, fig9, doors, grid, phases, visits",
+        ),
         (["--format", "gif"], 2, "--format gif: must be svg, png, pdf"),
     ],
 )

@@ -16,6 +16,7 @@ def test_optimum_prints_the_three_trainings():
     assert [line.split()[-2] for line in done.stdout.splitlines() if "human_2_pointing" in line] == ["8.75"]
 
 
+@pytest.mark.slow
 def test_optimum_as_json():
     done = visitlab("optimum", "--json", "--gamma", "0.5")
     found = json.loads(done.stdout)

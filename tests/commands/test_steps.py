@@ -31,7 +31,7 @@ def test_a_line_for_each_step_in_the_words_of_the_replay(tiny_run):
     steps = read_trial(tiny_run / CELL / "steps.mcap", 2)
     assert len(rows) == 101
     for row, line in enumerate(rows):
-        goal, desired = room_name(steps["goal_room"][row]), direction_name(steps["desired_direction"][row])
+        goal, desired = room_name(paper_lab(), steps["goal_room"][row]), direction_name(steps["desired_direction"][row])
         level = LEVEL_NAMES[steps["interaction_level"][row]]
         words = [str(row), goal, desired, level, f"{steps['reward'][row]:g}", captions(steps, paper_lab())[row]]
         assert line.split() == " ".join(words).split()

@@ -91,6 +91,7 @@ def kept(cache):
     }
 
 
+@pytest.mark.slow
 def test_an_edit_takes_effect_at_once_and_ours_stays_as_it_is(played, tmp_path):
     _, made_by, told = played("q_learning")
     assert made_by == sources()

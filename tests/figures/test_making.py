@@ -11,7 +11,8 @@ from visitlab_cli.errors import RunError
 from visitlab_cli.figures.making import NAMES, make_figures
 from visitlab_cli.replay.strip import strip
 
-PAPER = [name for name in NAMES if name.startswith("fig")]
+PAPER = [*(name for name in NAMES if name.startswith("fig")), "visits"]
+"""What a run of the paper's config has."""
 
 
 @pytest.fixture

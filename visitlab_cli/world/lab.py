@@ -24,7 +24,7 @@ Ints = npt.NDArray[np.int64]
 
 ALL_OPEN = -1
 """The doors of a scene in which none is shut: every bit set."""
-MOST_DOORS = 63
+MOST_DOORS = 64
 SOLID = -1
 """The room of a cell that is none: nobody is ever in it."""
 
@@ -107,7 +107,7 @@ def make_lab(
         rows: cells from north to south, at least 1.
         cols: cells from west to east, at least 1.
         walls: which pairs of cells have one between them.
-        doors: of each door that a scene may shut, at most 63, the pairs of cells that it parts then.
+        doors: of each door that a scene may shut, at most 64, the pairs of cells that it parts then.
         rooms: the room of each cell, shape (rows, cols), from 0, `SOLID` where there is none; one room if not given.
         chances: how likely each of `doors` is opened or shut before a trial; never if not given.
         shut: which of `doors`, by their place, are shut at first.
@@ -145,8 +145,8 @@ def make_lab(
 
 
 def _doors(needed: Ints, masks: Ints, chances: Sequence[float], shut: Collection[int]) -> Doors:
-    begin = (1 << len(chances)) - 1 - sum(1 << door for door in shut)
-    return Doors(len(chances), needed, masks, np.array(chances), begin)
+    begin = np.uint64((1 << len(chances)) - 1 - sum(1 << door for door in shut)).astype(np.int64)  # bits, no number
+    return Doors(len(chances), needed, masks, np.array(chances), int(begin))
 
 
 @cache
