@@ -198,7 +198,7 @@ def plan_if_due(controller: Planned, direction_values: Table) -> None:
 @kernel
 def leads_from(controller: Planned, scene: Scene) -> int:
     """The robot's offset from a human that follows and can be led; -1 where the social module acts."""
-    if not controller.lead or scene.interaction_level != InteractionLevel.FOLLOWS or not is_appropriate(scene.distance):
+    if not controller.lead or scene.perceived_level != InteractionLevel.FOLLOWS or not is_appropriate(scene.distance):
         return -1
     return offset_of(controller.leading, controller.known, robot_cell(controller, scene), human_cell(controller, scene))
 

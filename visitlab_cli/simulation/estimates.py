@@ -63,11 +63,11 @@ def notice(estimates: Estimates, known: Successors, before: Scene, after: Scene,
     """Learn from one step of a lab with `cols` columns, from the scene `before` to that `after`."""
     if estimates.fixed:
         return
-    engaged = before.interaction_level >= InteractionLevel.GREETED
+    engaged = before.perceived_level >= InteractionLevel.GREETED
     human = before.human_row * cols + before.human_col
     in_reach = is_appropriate(before.distance)
     if engaged and in_reach and after.executed_action != Action.HELLO:  # a hello may win it back at once
-        _notice_attention(estimates, after.interaction_level < InteractionLevel.GREETED)
+        _notice_attention(estimates, after.perceived_level < InteractionLevel.GREETED)
     direction = direction_seen(before, after)
     if direction != UNKNOWN_DIRECTION:
         _notice_move(estimates, known, human, after.human_row * cols + after.human_col, direction)
@@ -77,7 +77,7 @@ def notice(estimates: Estimates, known: Successors, before: Scene, after: Scene,
 def direction_seen(before: Scene, after: Scene) -> int:
     """Where the human went: towards the robot if it follows, blocked or not, else as its cells tell."""
     follows = InteractionLevel.FOLLOWS
-    if before.interaction_level == follows and after.interaction_level == follows:
+    if before.perceived_level == follows and after.perceived_level == follows:
         if is_gesture(after.executed_action):
             return UNKNOWN_DIRECTION
         return (before.angle + N_DIRECTIONS // 2) % N_DIRECTIONS

@@ -50,7 +50,7 @@ def learn_moves(learning: Learning, known: Successors, before: Scene, after: Sce
         changed = _saw(learning, known, robot, after.executed_action, end)
     follows = InteractionLevel.FOLLOWS
     direction = direction_seen(before, after)
-    if before.interaction_level != follows or after.interaction_level != follows or direction == UNKNOWN_DIRECTION:
+    if before.perceived_level != follows or after.perceived_level != follows or direction == UNKNOWN_DIRECTION:
         return changed
     human, end = before.human_row * cols + before.human_col, after.human_row * cols + after.human_col
     gone = apart(known, human, end)

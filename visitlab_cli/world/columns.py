@@ -14,9 +14,9 @@ from visitlab_cli.world.enums import DISTANCE_NAMES, Action, Direction, Interact
 
 ALWAYS, HUMAN, ENGAGEMENT, GOAL, MODULES = "always", "human", "engagement", "goal", "modules"
 """What there may be in a task, and so what its log has columns for."""
-PHASES, PLAN, MEMORY, DOORS = SOME_CELLS = ("phases", "plan", "memory", "doors")
+PHASES, PLAN, MEMORY, DOORS, BELIEF = SOME_CELLS = ("phases", "plan", "memory", "doors", "belief")
 """What a cell may have beside what its task has: phases, a controller that plans where to lead, a human who remembers,
-doors that are opened and shut between trials.
+doors that are opened and shut between trials, a robot to whom engagement is hidden and who believes something of it.
 
 The log of a cell without them does not know of their columns.
 """
@@ -97,6 +97,10 @@ class StepColumns(NamedTuple):
             "which of the phase's doors are open in the trial, bit i for the i-th from 0; -1 where it has none",
         ),
     ]
+    belief_none: Annotated[Floats, Column(FLOAT, BELIEF, "how likely the human is not engaged, to the robot's belief")]
+    belief_greeted: Annotated[Floats, Column(FLOAT, BELIEF, "how likely it is greeted")]
+    belief_called: Annotated[Floats, Column(FLOAT, BELIEF, "how likely it is called, and waits to be shown the way")]
+    belief_following: Annotated[Floats, Column(FLOAT, BELIEF, "how likely it follows")]
 
 
 def _columns() -> tuple[Column, ...]:

@@ -16,7 +16,7 @@ from visitlab_cli.world.lab import ALL_OPEN, Lab, random_cell, sees, toggled
 
 
 class Scene(NamedTuple):
-    """One moment of a task, all whole numbers; a task leaves what it lacks at 0."""
+    """One moment of a task, all whole numbers but for the belief; a task leaves what it lacks at 0."""
 
     robot_row: int = 0
     robot_col: int = 0
@@ -28,6 +28,7 @@ class Scene(NamedTuple):
     executed_action: int = 0  # of the robot in the step that led here
     human_action: int = 0  # of the human in that step
     interaction_level: int = 0
+    perceived_level: int = 0  # what the robot takes it for, the same where engagement is not hidden
     distance: int = 0
     angle: int = 0
     desired_direction: int = 0
@@ -39,6 +40,10 @@ class Scene(NamedTuple):
     wanted_robot_col: int = 0
     wanted_human_row: int = 0
     wanted_human_col: int = 0
+    belief_none: float = 0.0  # where engagement is hidden: how likely each is
+    belief_greeted: float = 0.0
+    belief_called: float = 0.0
+    belief_following: float = 0.0
 
 
 class Reaction(NamedTuple):
@@ -94,10 +99,14 @@ with_wanted: Callable[..., Scene] = _with(
     "plan_leads", "wanted_robot_row", "wanted_robot_col", "wanted_human_row", "wanted_human_col"
 )
 """The same scene with what a plan wants: `(scene, plan_leads, robot's row, col, human's row, col)`."""
+with_perceived: Callable[[Scene, int], Scene] = _with("perceived_level")
+"""The same scene with another level that the robot perceives."""
+with_belief: Callable[..., Scene] = _with("belief_none", "belief_greeted", "belief_called", "belief_following")
+"""The same scene with a belief: `(scene, none, greeted, called, following)`."""
 _with_doors: Callable[[Scene, int], Scene] = _with("open_doors")
 _with_robot: Callable[..., Scene] = _with("robot_row", "robot_col", "robot_heading", "executed_action")
 _with_human: Callable[..., Scene] = _with(*Reaction._fields, of="reaction")
-_with_relation: Callable[..., Scene] = _with("interaction_level", "distance", "angle")
+_with_relation: Callable[..., Scene] = _with("interaction_level", "perceived_level", "distance", "angle")
 
 
 @kernel
@@ -124,7 +133,7 @@ def related(lab: Lab, geometry: Geometry, scene: Scene) -> Scene:
         level = sight(geometry, north, east, scene.robot_heading, scene.human_heading)
     else:
         level = InteractionLevel.NOT_SEEN.value
-    return _with_relation(scene, level, distance, int(geometry.angle[place]))
+    return _with_relation(scene, level, level, distance, int(geometry.angle[place]))
 
 
 @kernel

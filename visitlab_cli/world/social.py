@@ -18,6 +18,7 @@ from visitlab_cli.world.enums import (
 from visitlab_cli.world.geometry import DISTANCES, Geometry, make_geometry
 from visitlab_cli.world.human import follows_in_direction, react
 from visitlab_cli.world.lab import Lab, make_lab, move
+from visitlab_cli.world.perception import Levels, Perception, begun, perceived
 from visitlab_cli.world.robot import acted
 from visitlab_cli.world.scene import (
     Body,
@@ -38,13 +39,17 @@ Ints = npt.NDArray[np.int64]
 
 
 class Social(NamedTuple):
-    """A square arena, a human, and the probability `direction_change` of a new desired direction a step."""
+    """A square arena, a human, the probability `direction_change` of a new desired direction a step.
+
+    `perception` is what the robot perceives of engagement.
+    """
 
     lab: Lab
     geometry: Geometry
     human: Any  # of a kind that reacts
     trial_steps: int
     direction_change: float
+    perception: Any = Levels()
 
 
 def make_social(
@@ -53,10 +58,11 @@ def make_social(
     arena: int = ARENA,
     direction_change: float = DIRECTION_CHANGE,
     distances: Sequence[int] = DISTANCES,
+    perception: Perception | None = None,
 ) -> Social:
     """The task in an arena of `arena` x `arena` cells, so wide that the human does not reach its borders."""
     lab, geometry = make_lab(arena, arena), make_geometry(arena, arena, distances)
-    return Social(lab, geometry, human, trial_steps, direction_change)
+    return Social(lab, geometry, human, trial_steps, direction_change, perception or Levels())
 
 
 class SocialStates(NamedTuple):
@@ -80,7 +86,7 @@ def parts_of(states: npt.ArrayLike) -> SocialStates:
 def social_state(scene: Scene) -> int:
     """State index: level + 8 (distance + 5 (desired_direction + 8 angle))."""
     direction = scene.desired_direction + N_DIRECTIONS * scene.angle
-    return scene.interaction_level + N_LEVELS * (scene.distance + N_DISTANCES * direction)
+    return scene.perceived_level + N_LEVELS * (scene.distance + N_DISTANCES * direction)
 
 
 @kernel
@@ -96,7 +102,8 @@ def begin_trial(task: Social, last: Scene, random: RandomState) -> Scene:
     robot = random_body(task.lab, random)
     human = Body(task.lab.rows // 2, task.lab.cols // 2, random_direction(random))
     desired = random_direction(random)
-    return with_aims(first_scene(task.lab, task.geometry, last, robot, human), desired, 0)
+    first = with_aims(first_scene(task.lab, task.geometry, last, robot, human), desired, 0)
+    return begun(task.perception, task.lab, task.geometry, first)  # type: ignore[no-any-return]
 
 
 @STEP.of(Social)
@@ -108,6 +115,7 @@ def step(task: Social, scene: Scene, action: int, random: RandomState) -> tuple[
         robot = acted(task.lab, scene, action)
     reaction = react(task.human, task.lab, task.geometry, scene, action, random)
     after = next_scene(task.lab, task.geometry, scene, robot, action, reaction)
+    after = perceived(task.perception, task.lab, task.geometry, scene, after)
     reward = 1.0 if follows_in_direction(after, scene.desired_direction) else 0.0
     if happens(random, task.direction_change):
         after = with_aims(after, random_direction(random), 0)

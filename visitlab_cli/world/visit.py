@@ -15,6 +15,7 @@ from visitlab_cli.random_numbers import RandomState, random_below
 from visitlab_cli.world.geometry import DISTANCES, Geometry, make_geometry
 from visitlab_cli.world.human import react
 from visitlab_cli.world.lab import Lab, goals_of, paper_lab
+from visitlab_cli.world.perception import Levels, Perception, begun, perceived
 from visitlab_cli.world.robot import acted
 from visitlab_cli.world.scene import (
     Scene,
@@ -28,12 +29,13 @@ from visitlab_cli.world.scene import (
 
 
 class VisitWorld(NamedTuple):
-    """The lab, the human in it, and the rooms that goals are drawn from, shape (at least 2,)."""
+    """The lab, the human in it, the rooms that goals are drawn from, shape (at least 2,), what is perceived."""
 
     lab: Lab
     geometry: Geometry
     human: Any  # of a kind that reacts
     goal_rooms: npt.NDArray[np.int64]
+    perception: Any = Levels()
 
 
 def make_visit_world(
@@ -41,11 +43,12 @@ def make_visit_world(
     goal_rooms: Sequence[int] | None = None,
     distances: Sequence[int] = DISTANCES,
     lab: Lab | None = None,
+    perception: Perception | None = None,
 ) -> VisitWorld:
     """A human in `lab`, the paper's unless given, with goals among `goal_rooms`, all that the lab has unless given."""
     lab = lab or paper_lab()
     goals = np.array(goals_of(lab) if goal_rooms is None else goal_rooms, np.int64)
-    return VisitWorld(lab, make_geometry(lab.rows, lab.cols, distances), human, goals)
+    return VisitWorld(lab, make_geometry(lab.rows, lab.cols, distances), human, goals, perception or Levels())
 
 
 @kernel
@@ -63,7 +66,8 @@ def begin_visit(world: VisitWorld, last: Scene, random: RandomState) -> Scene:
         goal_room = world.goal_rooms[random_below(random, len(world.goal_rooms))]
     elif not is_goal(world, goal_room):
         goal_room = another_goal(world, goal_room, random)
-    return with_aims(first_scene(world.lab, world.geometry, last, robot, human), desired, goal_room)
+    first = with_aims(first_scene(world.lab, world.geometry, last, robot, human), desired, goal_room)
+    return begun(world.perception, world.lab, world.geometry, first)  # type: ignore[no-any-return]
 
 
 @kernel
@@ -100,6 +104,7 @@ def step_visit(world: VisitWorld, scene: Scene, action: int, random: RandomState
     robot = acted(world.lab, scene, action)
     reaction = react(world.human, world.lab, world.geometry, scene, action, random)
     after = next_scene(world.lab, world.geometry, scene, robot, action, reaction)
+    after = perceived(world.perception, world.lab, world.geometry, scene, after)
     if world.lab.rooms[after.human_row, after.human_col] != scene.goal_room:
         return after, 0.0
     return with_aims(after, scene.desired_direction, another_goal(world, scene.goal_room, random)), 1.0
