@@ -55,14 +55,16 @@ now says phases, and has another hash for these.)
 
 SYMMETRIC = {"symmetric": ("0.2.0", False)}
 PHASES = {"phases": ("0.2.0", [])}
+HIDDEN = {"observe": ("0.2.0", "levels"), "belief": ("0.2.0", None)}
 LAB = {"lab": ("0.2.0", "paper")}
 LATER: dict[str, dict[str, tuple[str, Any]]] = {
     **{name: SYMMETRIC for name in ("QLearningParameters", "ModelBasedParameters", "RMaxParameters")},
     **{name: PHASES | LAB for name in ("NavigationTraining", "GoToHumanTraining")},
-    "SocialTraining": PHASES,
+    "SocialTraining": PHASES | HIDDEN,
     "Config": {"labs": ("0.2.0", {})},
     "Visit": PHASES
     | LAB
+    | HIDDEN
     | {
         "controller": ("0.2.0", "paper"),
         "told": ("0.2.0", False),
@@ -73,7 +75,7 @@ LATER: dict[str, dict[str, tuple[str, Any]]] = {
 """The version that a field came with, and its default, by the model: what comes to a model of `FIRST` is told here."""
 
 HASHES = {
-    "beyond/doors": "f08c50a4", "beyond/labs": "3fe4e1ef", "beyond/leading": "5610060a",
+    "beyond/doors": "f08c50a4", "beyond/hidden": "3511f468", "beyond/labs": "3fe4e1ef", "beyond/leading": "5610060a",
     "beyond/symmetry": "45768628",
     "generalisation": "0a09fb53", "my-human": "3ed1abad", "paper": "c7c38838", "quickstart": "621f9df4",
     "paper/fig6_bootstrap": "824627de", "paper/fig6_go_to_human": "e03a6c1e", "paper/fig6_navigation": "fdd34bd0",

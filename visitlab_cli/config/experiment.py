@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
 from pydantic import Field, PrivateAttr
 
 from visitlab_cli.agents.base import AgentParameters, Saved, Setting
+from visitlab_cli.agents.declared import Declared
 from visitlab_cli.agents.exploration import Table
 from visitlab_cli.config.labs import LabSettings, lab_called
 from visitlab_cli.config.names import PAPER_LAB, Module, Name
@@ -23,7 +24,7 @@ class Site(NamedTuple):
 
     `distances` are the four thresholds in cells; `tables` has the Q of each trained module that steers, by its task,
     `models` what each has learned of the world, empty where it has no model. `told` is what the config says of the
-    human, for an experiment that is told it.
+    human, for an experiment that is told it; `kept` what the social module that it starts from has saved.
     """
 
     lab: Lab
@@ -32,6 +33,7 @@ class Site(NamedTuple):
     tables: Mapping[str, Table]
     models: Mapping[str, Saved] = {}
     told: Any = None
+    kept: Saved = {}
 
 
 class Experiment(Settings):
@@ -203,6 +205,14 @@ class Experiment(Settings):
     def task_in(self, site: Site) -> Any:
         """The task's record, for which `begin_trial`, `step` and `observe` are registered."""
         raise NotImplementedError
+
+    def declared_kept(self) -> Mapping[str, Declared]:
+        """What each array of `kept_by` must be."""
+        return {}
+
+    def kept_by(self, task: Any) -> Saved:
+        """What its task has learned beside the agent, as arrays that are saved with the agent's."""
+        return {}
 
     def parameters_of(self, agent: AgentParameters) -> AgentParameters:
         """The parameters with which an agent plays here."""

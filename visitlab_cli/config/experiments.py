@@ -5,12 +5,15 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, ValidationInfo, field_validator
 
-from visitlab_cli.agents.base import AgentParameters
+from visitlab_cli.agents.base import AgentParameters, Saved
+from visitlab_cli.agents.declared import Declared
 from visitlab_cli.config.experiment import Experiment, InLab, Site
+from visitlab_cli.config.hidden import HiddenEngagement, belief_arrays
 from visitlab_cli.config.names import Module, ModuleName, Names, module
 from visitlab_cli.config.phases import ModulePhases, SocialPhases, TrainingPhases
 from visitlab_cli.config.visits import Visit
 from visitlab_cli.humans.base import Probability
+from visitlab_cli.world.columns import BELIEF
 from visitlab_cli.world.go_to_human import GoToHuman, make_go_to_human
 from visitlab_cli.world.navigation import Navigation, make_navigation
 from visitlab_cli.world.social import ARENA, DIRECTION_CHANGE, Social, make_social
@@ -87,7 +90,7 @@ class GoToHumanTraining(Training, InLab):
         return make_go_to_human(self.trial_steps, self.success, site.distances, site.lab)
 
 
-class SocialTraining(Training):
+class SocialTraining(Training, HiddenEngagement):
     """Learn to win a human's attention and to lead it in a desired direction."""
 
     task: Literal["social"]
@@ -122,12 +125,36 @@ class SocialTraining(Training):
         return {} if self.start_from is None else {SOCIAL: module(self.start_from)}
 
     def idle(self, agents: Mapping[str, AgentParameters]) -> tuple[str, ...]:
-        """Also `start_from` where it starts with nothing."""
-        return (*super().idle(agents), *(("start_from",) if self.start_from is None else ()))
+        """Also `start_from` where it starts with nothing, and a belief where there is none."""
+        unsaid = (*(("start_from",) if self.start_from is None else ()), *self.unsaid_of_engagement)
+        return (*super().idle(agents), *unsaid)
+
+    @property
+    def parts(self) -> tuple[str, ...]:
+        """Also the belief."""
+        return (*super().parts, *((BELIEF,) if self.believes else ()))
+
+    @property
+    def played_as(self) -> str:
+        """Also by what is hidden."""
+        return "-".join(filter(None, (super().played_as, self.perceived_as)))
 
     def task_in(self, site: Site) -> Social:
         """In an arena of its own."""
-        return make_social(site.human, self.trial_steps, self.arena, self.direction_change, site.distances)
+        perception = self.perception(site.told, site.kept)
+        return make_social(site.human, self.trial_steps, self.arena, self.direction_change, site.distances, perception)
+
+    def going_on(self, task: Social, other: Social) -> Social:
+        """A belief that learns goes on."""
+        return other._replace(perception=task.perception) if self.learns_belief else other
+
+    def declared_kept(self) -> Mapping[str, Declared]:
+        """As a belief has them."""
+        return self.declared_belief()
+
+    def kept_by(self, task: Social) -> Saved:
+        """What is believed of the human."""
+        return belief_arrays(task.perception)
 
 
 AnyExperiment = Annotated[NavigationTraining | GoToHumanTraining | SocialTraining | Visit, Field(discriminator="task")]

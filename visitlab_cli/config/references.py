@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 from visitlab_cli.agents.base import AgentParameters
 from visitlab_cli.config.controller import FARTHEST
 from visitlab_cli.config.experiments import SocialTraining
+from visitlab_cli.config.hidden import wrong_belief
 from visitlab_cli.config.labs import LabSettings
 from visitlab_cli.config.names import module
 from visitlab_cli.config.phases import PHASES, wrong_phases
@@ -53,12 +54,22 @@ def issues(declared: Declared) -> list[Issue]:
             found += wrong_phases(path, experiment, declared.humans, [each for each in players if each is not None])
             humans = getattr(experiment, "humans", ())
             found += _each_declared("human", (*path, "humans"), humans, declared.humans)
+            if experiment.plays.has(ENGAGEMENT):
+                found += wrong_belief(path, experiment, _met(experiment, declared))
             found += place_issues(path, experiment, declared.experiments, declared.labs)
         if experiment is not None and experiment.assembled:
             found += _visit(path, experiment, declared)
     for cell in declared.expected:
         found += _expected(cell, declared)
     return found
+
+
+def _met(experiment: Any, declared: Declared) -> Iterator[tuple[Path, str, HumanParameters | None]]:
+    """Each human that is met: the place in the experiment where its name stands, the name, and its parameters."""
+    for index, human in enumerate(getattr(experiment, "humans", ())):
+        yield ("humans", index), human, declared.humans.get(human)
+    for index, phase in enumerate(experiment.phases):
+        yield (PHASES, index, "human"), phase.met, declared.humans.get(phase.met)
 
 
 def _acting(experiment: Any) -> Sequence[str]:
@@ -160,10 +171,7 @@ def _controller(path: Path, visit: Visit, social: AgentParameters | None, declar
     if LEAD in options and declared.farthest > FARTHEST:
         message = f"leading is planned up to {FARTHEST} cells, and interaction.distances go to {declared.farthest}"
         yield Issue((*path, "controller"), message)
-    places: list[tuple[Path, str]] = [(("humans", index), human) for index, human in enumerate(visit.humans)]
-    places += [((PHASES, index, "human"), phase.met) for index, phase in enumerate(visit.phases)]
-    for place, human in places if visit.told else ():
-        parameters = declared.humans.get(human)
+    for place, human, parameters in _met(visit, declared) if visit.told else ():
         if parameters is not None and not (hasattr(parameters, "p_S") and hasattr(parameters, "p_A")):
             yield Issue((*path, *place), f"told: {human} has no p_S and p_A to tell")
 

@@ -6,9 +6,11 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 from pydantic import BeforeValidator, Field, WithJsonSchema
 
 from visitlab_cli.agents.base import AgentParameters, Saved, Setting
+from visitlab_cli.agents.declared import Declared
 from visitlab_cli.config.controller import Controller, options_of
 from visitlab_cli.config.experiment import Experiment, InLab, Site
 from visitlab_cli.config.goal_rooms import ALL, GoalRooms, numbered
+from visitlab_cli.config.hidden import HiddenEngagement, belief_arrays
 from visitlab_cli.config.labs import LabSettings
 from visitlab_cli.config.names import Module, ModuleName, Names, module
 from visitlab_cli.config.phases import VisitPhases
@@ -18,6 +20,7 @@ from visitlab_cli.simulation.controller import LEAD, PLAN, make_planned
 from visitlab_cli.simulation.estimates import RECENT
 from visitlab_cli.simulation.visit import Visit as VisitTask
 from visitlab_cli.simulation.visit import make_visit
+from visitlab_cli.world.columns import BELIEF
 from visitlab_cli.world.columns import PLAN as PLAN_PART
 from visitlab_cli.world.lab import goals_of
 from visitlab_cli.world.task import VISIT_TRIAL_STEPS
@@ -49,7 +52,7 @@ class Modules(Settings):
     social: ModuleName = Field(description="the social module, which decides and goes on learning")
 
 
-class Visit(InLab):
+class Visit(InLab, HiddenEngagement):
     """The global task (paper, Fig. 5): the three modules together lead a human through goal rooms."""
 
     planning_options: ClassVar[tuple[str, ...]] = ("plan_every", "planner_rewards")
@@ -116,13 +119,15 @@ class Visit(InLab):
 
     @property
     def parts(self) -> tuple[str, ...]:
-        """The plan, where the controller leads by one."""
-        return (*super().parts, *((PLAN_PART,) if LEAD in self.options else ()))
+        """The plan, where the controller leads by one, and the belief."""
+        more = (*((PLAN_PART,) if LEAD in self.options else ()), *((BELIEF,) if self.believes else ()))
+        return (*super().parts, *more)
 
     @property
     def played_as(self) -> str:
-        """Planned, too, for all but the paper's controller."""
-        return "-".join(filter(None, (super().played_as, "planned" if self.options else "")))
+        """Planned, too, for all but the paper's controller; and by what is hidden."""
+        planned = "planned" if self.options else ""
+        return "-".join(filter(None, (super().played_as, planned, self.perceived_as)))
 
     @property
     def counted_in(self) -> str:
@@ -173,7 +178,7 @@ class Visit(InLab):
         untold: tuple[str, ...] = () if PLAN in self.options else ("told",)
         untold += () if NAVIGATION in self.learns else ("navigation_model",)
         plans = agents[self.starts[SOCIAL].agent].plans
-        return (*super().idle(agents), *untold, *(() if plans else self.planning_options))
+        return (*super().idle(agents), *untold, *self.unsaid_of_engagement, *(() if plans else self.planning_options))
 
     def with_whole_modules(self, experiments: Mapping[str, Experiment]) -> Self:
         """With the human that the social module was trained with."""
@@ -206,11 +211,21 @@ class Visit(InLab):
     def _world(self, site: Site) -> VisitWorld:
         """A lab with the human, and those of the goal rooms that can be reached there, all unless some are named."""
         goals = [room for room in goals_of(site.lab) if self.goal_rooms == ALL or room in self.goal_rooms]
-        return make_visit_world(site.human, goals, site.distances, site.lab)
+        perception = self.perception(site.told, site.kept)
+        return make_visit_world(site.human, goals, site.distances, site.lab, perception)
 
     def going_on(self, task: VisitTask, other: VisitTask) -> VisitTask:
-        """The controller goes on, with what it knows and plans, unless it is told of each human."""
-        return other if self.told else task._replace(world=other.world)
+        """The controller goes on, with what it knows and plans, unless it is told of each human; and the belief."""
+        world = other.world._replace(perception=task.world.perception) if self.learns_belief else other.world
+        return (other if self.told else task)._replace(world=world)
+
+    def declared_kept(self) -> Mapping[str, Declared]:
+        """As a belief has them."""
+        return self.declared_belief()
+
+    def kept_by(self, task: VisitTask) -> Saved:
+        """What is believed of the human."""
+        return belief_arrays(task.world.perception)
 
     def frozen(self) -> Self:
         """Navigation learns nothing, either."""

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from visitlab_cli.agents.base import Player, Saved
-from visitlab_cli.config.experiment import Site, lab_of
+from visitlab_cli.config.experiment import Experiment, Site, lab_of
 from visitlab_cli.errors import RunError
 from visitlab_cli.plan.cells import Cell
 from visitlab_cli.plan.saved import setting_of
@@ -32,6 +32,7 @@ class Simulation(NamedTuple):
     stretches: list[Stretch]
     parameters: Player
     trials: int
+    experiment: Experiment
 
     @property
     def agent(self) -> Any:
@@ -66,7 +67,8 @@ def build(cell: Cell, models: Mapping[str, Saved]) -> Simulation:
     for name, place in _scenes(cell):
         declared = config.humans[name] if name else None
         human = declared.create() if declared else None
-        task = settings.task_in(Site(place, human, config.interaction.distances, tables, learned, declared))
+        kept = models.get(SOCIAL, {})
+        task = settings.task_in(Site(place, human, config.interaction.distances, tables, learned, declared, kept))
         tasks[name, place] = settings.going_on(next(iter(tasks.values())), task) if tasks else task
     learner = settings.parameters_of(config.agents[cell.agent])
     parameters: Player = cell.player if cell.frozen else learner
@@ -80,7 +82,7 @@ def build(cell: Cell, models: Mapping[str, Saved]) -> Simulation:
         agent = learner.create(setting)
     if not settings.phases:
         (task,) = tasks.values()
-        return Simulation([Stretch(task, agent, settings.n_steps)], parameters, settings.n_trials)
+        return Simulation([Stretch(task, agent, settings.n_steps)], parameters, settings.n_trials, settings)
     stretches, until = [], 0
     for phase, trials in zip(settings.phases, settings.phase_trials, strict=True):
         until += trials * settings.trial_steps
@@ -88,7 +90,7 @@ def build(cell: Cell, models: Mapping[str, Saved]) -> Simulation:
         player = learner.planning_every(agent, phase.plan_every) if replans else agent
         place = settings.lab_in(phase)
         stretches.append(Stretch(tasks[phase.met, place], player, until, open_at_first(place)))
-    return Simulation(stretches, parameters, settings.n_trials)
+    return Simulation(stretches, parameters, settings.n_trials, settings)
 
 
 def _scenes(cell: Cell) -> Iterable[tuple[str, Lab]]:

@@ -125,8 +125,9 @@ def _recorder(cell: Cell, file: Path) -> Iterator[Record]:
 
 
 def saved_model(simulation: Simulation, random: RandomState) -> Saved:
-    """The arrays of `model.npz`: the agent's, and the state that the random stream is left in."""
-    return {**simulation.parameters.save(simulation.agent), "random_state": random}
+    """The arrays of `model.npz`: the agent's, what its task keeps, and the state that the random stream is left in."""
+    kept = simulation.experiment.kept_by(simulation.stretches[-1].task)
+    return {**simulation.parameters.save(simulation.agent), **kept, "random_state": random}
 
 
 def facts_of(cell: Cell, trial_rewards: np.ndarray[Any, np.dtype[np.float64]]) -> dict[str, Any]:

@@ -18,6 +18,7 @@ from google.protobuf.descriptor_pb2 import (
 
 from visitlab_cli.world.columns import (
     ALWAYS,
+    BELIEF,
     BOOL,
     COLUMNS,
     DOORS,
@@ -132,6 +133,7 @@ def proto_text() -> str:
 _WITH = {
     PHASES: "with phases",
     DOORS: "with doors of a phase",
+    BELIEF: "with a belief",
     PLAN: "with a plan",
     MEMORY: "with a human who remembers",
 }

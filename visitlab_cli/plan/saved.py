@@ -59,7 +59,8 @@ def declared(cell: Cell) -> dict[str, Declared] | None:
     """What each array of a cell's `model.npz` must be; None where its agent's kind is not to be had."""
     if cell.config.agents[cell.agent].absent:
         return None
-    return {**cell.player.arrays(setting_of(cell)), "random_state": RANDOM_STATE}
+    kept = cell.settings.declared_kept()
+    return {**cell.player.arrays(setting_of(cell)), **kept, "random_state": RANDOM_STATE}
 
 
 def model_of(run: Path, cell: Cell) -> Arrays:
