@@ -12,7 +12,8 @@ import visitlab_cli
 from tests.program import visitlab
 from visitlab_cli.log.reader import read_steps
 from visitlab_cli.plan.cells import plan
-from visitlab_cli.results.metrics import METRICS, WHOLE, distances_to, measured, metrics_of
+from visitlab_cli.results.metrics import METRICS, WHOLE, measured, metrics_of
+from visitlab_cli.results.ways import distances_to
 from visitlab_cli.storage.run_folder import read_config
 from visitlab_cli.world.enums import DISTANCE_NAMES
 from visitlab_cli.world.lab import make_lab, paper_lab

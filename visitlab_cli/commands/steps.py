@@ -86,7 +86,7 @@ def plain(steps: "Steps", lab: "Lab") -> list[dict[str, Any]]:
 
 def table(steps: "Steps", lab: "Lab") -> str:
     """A line for each step: what the task has of goal, desired direction, level; reward; what happens in words."""
-    from visitlab_cli.scene.words import LEVEL_NAMES, captions, direction_name, room_name
+    from visitlab_cli.scene.words import LEVEL_NAMES, believed, captions, direction_name, room_name
 
     columns: dict[str, list[str]] = {"step": [str(step) for step in steps["step"]]}
     for head, column, in_words in (
@@ -96,6 +96,8 @@ def table(steps: "Steps", lab: "Lab") -> str:
     ):
         if column in steps:
             columns[head] = [in_words(int(value)) for value in steps[column]]
+    if "belief_none" in steps:
+        columns["believed"] = [believed(steps, step) for step in range(len(steps["step"]))]
     columns["reward"] = [f"{value:g}" for value in steps["reward"]]
     columns["what happens"] = captions(steps, lab)
     rows = [list(map(in_line, row)) for row in (columns, *zip(*columns.values(), strict=True))]

@@ -4,7 +4,7 @@ from typing import Literal
 
 import rerun.blueprint as rrb
 
-from visitlab_cli.replay.curves import ACTION, GOAL_LANE, LANES, LEVEL
+from visitlab_cli.replay.curves import ACTION, BELIEF, GOAL_LANE, LANES, LEVEL
 from visitlab_cli.replay.stage import TIMELINE
 from visitlab_cli.scene.colours import FLOOR
 from visitlab_cli.scene.moments import moments, strip_steps
@@ -31,10 +31,14 @@ def blueprint_of(shown: Scene, *, following: bool = False) -> rrb.Blueprint:
     first, last = (rrb.TimeRangeBoundary.absolute(seq=step) for step in (0, trial.last_step))
     axis = rrb.archetypes.TimeAxis(view_range=rrb.TimeRange(start=first, end=last))
     reward = "Goals reached" if trial.plays.counts_goals else "Reward so far"
-    curves = [rrb.TimeSeriesView(origin="reward", name=reward, axis_x=axis, plot_legend=NO_LEGEND)]
+    curves: list[rrb.View | rrb.Container] = [
+        rrb.TimeSeriesView(origin="reward", name=reward, axis_x=axis, plot_legend=NO_LEGEND)
+    ]
     if trial.has_human:
         distance = "Distance in cells, to interact between the lines"
         curves.append(rrb.TimeSeriesView(origin="distance", name=distance, axis_x=axis, plot_legend=NO_LEGEND))
+    if trial.has_belief:
+        curves.append(rrb.BarChartView(origin=BELIEF, name="Belief"))
     there = {LEVEL: trial.has_human, ACTION: True, GOAL_LANE: trial.has_goal}
     lanes = [lane for lane in LANES if there[lane]]
     names = ", ".join(lane.replace("_", " ") for lane in lanes).capitalize()

@@ -7,13 +7,15 @@ import numpy as np
 import numpy.typing as npt
 import rerun as rr
 
-from visitlab_cli.replay.stage import Stage
+from visitlab_cli.replay.stage import TIMELINE, Stage
 from visitlab_cli.scene.colours import ACTION_COLOURS, GOAL, HUMAN, LEVEL_COLOURS, Colour
 from visitlab_cli.scene.moments import moments
 from visitlab_cli.scene.words import (
     ACTION_KINDS,
+    BELIEVED,
     LEVEL_NAMES,
     action_kind,
+    believed,
     captions,
     direction_name,
     option_name,
@@ -23,6 +25,7 @@ from visitlab_cli.world.enums import DISTANCE_NAMES
 
 GOAL_LANE, LEVEL, ACTION = LANES = "goal", "interaction_level", "robot_action"
 """Entities, which the viewer shows in alphabetical order."""
+BELIEF = "belief"
 BEST_SHOWN = 3
 """Actions whose Q-values are told."""
 GREY: Colour = (140, 140, 145)
@@ -70,6 +73,17 @@ def draw_curves(stage: Stage) -> None:
         _curve(stage, f"distance/{name.replace(' ', '_')}", np.full(stage.trial.length, bound), name, GREY, 1.0)
 
 
+def draw_belief(stage: Stage) -> None:
+    """What is believed of the human's engagement, at each step four bars: none, greeted, called, following."""
+    if not stage.trial.has_belief:
+        return
+    values = np.stack([stage.trial.steps[name] for name in BELIEVED], axis=1)
+    for step in range(stage.first, stage.trial.length):
+        stage.recording.set_time(TIMELINE, sequence=step)
+        stage.recording.log(BELIEF, rr.BarChart(values[step], color=HUMAN))
+    stage.recording.reset_time()
+
+
 def _page(stage: Stage, step: int, caption: str) -> str:
     """The caption in large letters, and the state it leads to."""
     steps = stage.trial.steps
@@ -80,6 +94,8 @@ def _page(stage: Stage, step: int, caption: str) -> str:
         level = int(steps["interaction_level"][step])
         facts.append(f"Level **{level} {LEVEL_NAMES[level]}**")
         facts.append(f"distance **{DISTANCE_NAMES[int(steps['distance'][step])]}**")
+    if stage.trial.has_belief:
+        facts.append(f"believed **{believed(steps, step)}**")
     if stage.trial.has_engagement:
         facts.append(f"desired direction **{direction_name(int(steps['desired_direction'][step]))}**")
     if stage.trial.has_goal:

@@ -35,3 +35,4 @@ def draw_stage(stage: Stage, *, following: bool) -> None:
     curves.draw_words(stage)
     curves.draw_states(stage)
     curves.draw_curves(stage)
+    curves.draw_belief(stage)

@@ -19,11 +19,12 @@ from visitlab_cli.results.estimates import Estimate, mean_of
 from visitlab_cli.results.groups import Group, groups_of
 from visitlab_cli.results.phases import FIRST
 from visitlab_cli.results.units import Units, by_unit
+from visitlab_cli.results.ways import distances_to
 from visitlab_cli.storage.cell_folder import STEPS, read_cell
-from visitlab_cli.world.columns import ENGAGEMENT, GOAL
+from visitlab_cli.world.columns import BELIEF, COLUMNS, ENGAGEMENT, GOAL
 from visitlab_cli.world.enums import DISTANCE_NAMES, InteractionLevel
 from visitlab_cli.world.geometry import BEHIND, CIRCLE, FACING_FIELD, HUNDREDTHS, make_geometry
-from visitlab_cli.world.lab import COL_STEPS, ROW_STEPS, Lab
+from visitlab_cli.world.lab import Lab
 
 Values = npt.NDArray[Any]
 Steps = dict[str, Values]
@@ -59,6 +60,8 @@ METRICS = {
         STEPS_UNIT, "from a loss until the human is engaged again, of losses that are made good"
     ),
     "attention_back": Metric(SHARE, "losses that are made good in the same trial"),
+    "belief_right": Metric(SHARE, "steps after which the likeliest engagement is the true one"),
+    "belief_right_engaged": Metric(SHARE, "the same, of steps after which the human is engaged"),
     "path_efficiency": Metric(
         RATIO, "the human's shortest way to a goal over the way that it walked, of goals reached"
     ),
@@ -74,6 +77,8 @@ class Part(NamedTuple):
 
 
 WHOLE = Part()
+BELIEFS = tuple(column.name for column in COLUMNS if column.part == BELIEF)
+"""Columns of what is believed, by `Engagement`."""
 
 
 def metrics_of(run: Path, cell: Cell, first: int = FIRST) -> dict[Part, dict[str, float]]:
@@ -95,6 +100,7 @@ def metrics_of(run: Path, cell: Cell, first: int = FIRST) -> dict[Part, dict[str
     names += ["human_heading", "interaction_level", "distance"]
     names += ["goal_room"] if cell.settings.plays.has(GOAL) else []
     names += ["phase"] if cell.settings.phases else []
+    names += BELIEFS if BELIEF in cell.parts else ()
     steps, lab = read_steps(file, names), lab_of(cell.settings)
     check_values(file, steps, cell.task, lab)
     parts: dict[Part, Values] = {}
@@ -124,6 +130,8 @@ def measured(steps: Steps, lab: Lab) -> dict[str, float]:
     }
     found["following"] = _share(level[after] == InteractionLevel.FOLLOWS)
     found |= _attention(steps, level >= InteractionLevel.GREETED)
+    if BELIEFS[0] in steps:
+        found |= _beliefs(steps, after, np.maximum(level.astype(np.int64) - InteractionLevel.BOTH_FACE, 0))
     if "goal_room" in steps:
         found |= _until("goal", steps, after & (steps["reward"] > 0)) | _paths(steps, lab)
     return {name: found[name] for name in METRICS if name in found}
@@ -185,6 +193,11 @@ def _attention(steps: Steps, engaged: Values) -> dict[str, float]:
     }
 
 
+def _beliefs(steps: Steps, after: Values, engagement: Values) -> dict[str, float]:
+    right = np.argmax(np.stack([steps[name] for name in BELIEFS]), axis=0) == engagement
+    return {"belief_right": _share(right[after]), "belief_right_engaged": _share(right[after & (engagement > 0)])}
+
+
 def _paths(steps: Steps, lab: Lab) -> dict[str, float]:
     """Of each goal that is reached: from where the human stood when it was set."""
     rows, cols = steps["human_row"].astype(np.int64), steps["human_col"].astype(np.int64)
@@ -203,24 +216,6 @@ def _paths(steps: Steps, lab: Lab) -> dict[str, float]:
                 ratios.append(min(1.0, float(shortest / walk)))
         since = row
     return {"path_efficiency": _mean(ratios)}
-
-
-def distances_to(lab: Lab, room: int) -> npt.NDArray[np.int64]:
-    """The fewest moves of one cell from each cell to a room, all doors open: shape (rows, cols), -1 for never."""
-    found = np.where(lab.rooms == room, 0, -1)
-    edge = [(int(row), int(col)) for row, col in zip(*np.nonzero(lab.rooms == room), strict=True)]
-    steps = 0
-    while edge:
-        steps += 1
-        further = []
-        for row, col in edge:
-            for direction, (south, east) in enumerate(zip(ROW_STEPS, COL_STEPS, strict=True)):
-                place = row + int(south), col + int(east)
-                if lab.reach[row, col, direction] and found[place] < 0:
-                    found[place] = steps
-                    further.append(place)
-        edge = further
-    return found
 
 
 class GroupMetrics(NamedTuple):

@@ -101,6 +101,11 @@ class Trial:
         return "plan_leads" in self.steps
 
     @property
+    def has_belief(self) -> bool:
+        """Whether engagement was hidden and something was believed of it."""
+        return "belief_none" in self.steps
+
+    @property
     def has_rooms(self) -> bool:
         """Whether it plays in the lab with its rooms."""
         return self.arena is None

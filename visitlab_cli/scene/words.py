@@ -159,6 +159,21 @@ def _human(steps: Steps, step: int, lab: Lab) -> str:
     return f"the human {ignores}{first}{_sight(before, after)}"
 
 
+BELIEVED = {
+    "belief_none": "not engaged",
+    "belief_greeted": "greeted",
+    "belief_called": "called",
+    "belief_following": "following",
+}
+"""What is believed of the human's engagement, by the log's columns."""
+
+
+def believed(steps: Steps, step: int) -> str:
+    """The likeliest engagement and how likely it is: 'following 0.97'."""
+    likeliest = max(BELIEVED, key=lambda name: float(steps[name][step]))
+    return f"{BELIEVED[likeliest]} {steps[likeliest][step]:.2f}"
+
+
 def open_doors_in(steps: Steps) -> int:
     """The doors that are open in a trial."""
     return int(steps["open_doors"][0]) if "open_doors" in steps else ALL_OPEN
