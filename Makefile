@@ -5,13 +5,17 @@ BIN := $(VENV)/bin
 READY := $(VENV)/ready
 LOWEST := .venv-lowest
 
-.PHONY: quickstart test test-slow test-lowest faults faults-fast check benchmark clean
+.PHONY: quickstart test warm test-slow test-lowest faults faults-fast check benchmark clean
 
 quickstart: $(READY)
 	$(BIN)/visitlab run configs/quickstart.yaml
 
 test: $(READY)
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 4 -rs
+
+# Compiles, into the cache of compiled code, what most tests need; they work without it.
+warm: $(READY)
+	runs=$$(mktemp -d) && $(BIN)/visitlab run tests/tiny.yaml --out $$runs --workers 1 --quiet && rm -r $$runs
 
 test-slow: $(READY)
 	VISITLAB_TESTS_WITHOUT_FORKS=1 $(BIN)/python -m pytest -m slow
