@@ -8,12 +8,14 @@ import numpy as np
 from visitlab_cli.world.enums import Action, Direction, Engagement
 
 from . import rules
-from .frequencies import check_frequencies
+from .frequencies import check_frequencies, odd
+from .lab import NO_DOORS, Lab
 from .settings import Settings, best_directions_of, greedy_moves_of, ranges
 from .tally import Frequency
 
 __all__ = [
     "Frequency",
+    "Lab",
     "Settings",
     "Violation",
     "best_directions_of",
@@ -54,8 +56,7 @@ class _Replay:
     def __init__(self, columns: Mapping[str, np.ndarray], settings: Settings) -> None:
         self.settings = settings
         self.task = settings.task
-        self.grid = settings.make_grid()
-        self.goals = settings.goals(self.grid)
+        self.place = settings.place()
         self.humans = settings.make_humans() if settings.has_reactions else []
         self.source = columns
         self.columns: dict[str, list[Any]] = {}
@@ -72,6 +73,7 @@ class _Replay:
             self._numbering(i)
             if i in unreadable:
                 continue
+            self._doors(i, known_before=i > 0 and i - 1 not in unreadable)
             self._consistent(i)
             if steps[i] == 0:
                 self._start(i, known_before=i > 0 and i - 1 not in unreadable)
@@ -79,6 +81,11 @@ class _Replay:
                 self._step(i)
         self._complete()
         return self.violations
+
+    @property
+    def grid(self) -> rules.Grid:
+        """That of the trial of the row that is judged."""
+        return self.place.grid
 
     # -------------------------------------------------------------------------------- the whole log
 
@@ -138,7 +145,8 @@ class _Replay:
 
     def _geometry(self, i: int) -> rules.Geometry:
         c = self.columns
-        return rules.geometry(
+        return rules.geometry_in(
+            self.grid,
             self._robot(i),
             c["robot_heading"][i],
             self._human(i),
@@ -163,6 +171,32 @@ class _Replay:
             self._is(i, "trial", c["trial"][i - 1])
             self._is(i, "step", c["step"][i - 1] + 1)
 
+    def _doors(self, i: int, known_before: bool) -> None:
+        """Which doors are open, and so where the trial takes place; they toggle before a trial only."""
+        c, settings = self.columns, self.settings
+        trial = c["trial"][i]
+        self.place = settings.place(trial)
+        if not settings.n_doors:
+            return
+        lab, now = settings.lab_in(trial), c["open_doors"][i]
+        if lab is None or not lab.toggled:
+            self._is(i, "open_doors", NO_DOORS)
+        elif not 0 <= now < 2 ** len(lab.toggled):
+            self._tell(i, "open_doors", f"the bits of {lab.toggled}", now)
+        else:
+            self.place = settings.place(trial, now)
+            if c["step"][i] > 0:
+                self._is(i, "open_doors", c["open_doors"][i - 1] if known_before else now)
+            elif i == 0 or known_before:
+                last = c["trial"][i - 1] if i > 0 else None
+                same_phase = last is not None and settings.phase_of(last) == settings.phase_of(trial)
+                before = c["open_doors"][i - 1] if same_phase else lab.open_at_first
+                times = settings.toggles_of(trial, last)
+                for door, p in lab.toggling.items():
+                    toggled = lab.is_open(door, now) != lab.is_open(door, before)
+                    if odd(p, times) in (0, 1) and toggled != odd(p, times):
+                        self._tell(i, "open_doors", f"{door} toggles with probability {odd(p, times)}", now)
+
     def _consistent(self, i: int) -> None:
         """What follows from the other values of the same row: phase, geometry, level, state."""
         c = self.columns
@@ -186,6 +220,10 @@ class _Replay:
     # ------------------------------------------------------------------------------ a trial's first row
 
     def _start(self, i: int, known_before: bool) -> None:
+        for who in ("robot", "human") if self.settings.has_human else ("robot",):
+            cell = self.columns[f"{who}_row"][i], self.columns[f"{who}_col"][i]
+            if cell not in self.place.reachable:
+                self._tell(i, f"{who}_row, {who}_col", "a cell that can be reached", cell)
         self._is(i, "action", Action.NO_ACTION)
         self._is(i, "explored", 0)
         self._is(i, "reward", 0)
@@ -195,6 +233,7 @@ class _Replay:
                 kept = self.columns["robot_heading"][i - 1]
                 east_or_kept |= {kept} if self.settings.trial_stride == 1 else set(range(8))
             self._among(i, "robot_heading", east_or_kept)
+            self._among(i, "goal_room", self.place.goals)
         if self.settings.has_reactions:
             self._is(i, "human_action", Action.NO_ACTION)
             if self._engagement(i) != Engagement.NONE:
@@ -210,10 +249,10 @@ class _Replay:
         self._is(i, "executed_action", Action.NO_ACTION)
         self._is(i, "social_reward", 0)
         carried = known_before and self.settings.trial_stride == 1
-        if carried:
+        if carried and self.columns["goal_room"][i - 1] in self.place.goals:
             self._is(i, "goal_room", self.columns["goal_room"][i - 1])
         else:
-            self._among(i, "goal_room", self.goals)
+            self._among(i, "goal_room", self.place.goals)
         self._desired_direction(i, self.columns["desired_direction"][i - 1] if carried else None)
 
     # ------------------------------------------------------------------------------------------ a step
@@ -288,7 +327,7 @@ class _Replay:
         reached = rules.visit_reward(self.grid, goal, self._human(i))
         self._is(i, "reward", reached)
         if reached:
-            self._among(i, "goal_room", self.goals - {goal})
+            self._among(i, "goal_room", self.place.goals - {goal})
         else:
             self._is(i, "goal_room", goal)
         self._desired_direction(i, desired)

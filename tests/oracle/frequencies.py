@@ -5,7 +5,7 @@ probability that it had there, given everything before it. The number of times t
 then has mean sum(p) and variance sum(p (1 - p)), whatever the agent does.
 """
 
-from collections import defaultdict
+from collections import Counter
 from collections.abc import Mapping
 from itertools import pairwise
 from typing import Any
@@ -15,6 +15,7 @@ import numpy as np
 from visitlab_cli.world.enums import Action, Direction, Engagement
 
 from . import rules
+from .lab import NO_DOORS
 from .settings import Settings
 from .tally import Frequency, Tally
 
@@ -30,24 +31,35 @@ def check_frequencies(columns: Mapping[str, np.ndarray], task: str, **settings: 
     return _Counting(columns, Settings(task=task, **settings)).run()
 
 
+def odd(p: float, times: int) -> float:
+    """The probability that what happens with probability p happens an odd number of times."""
+    return p if times == 1 else (1 - (1 - 2 * p) ** times) / 2
+
+
 class _Counting:
     """One log, its choices being counted."""
 
     def __init__(self, columns: Mapping[str, np.ndarray], settings: Settings) -> None:
         self.settings = settings
         self.task = settings.task
-        self.grid = settings.make_grid()
-        self.goals = settings.goals(self.grid)
+        self.place = settings.place()
         self.humans = settings.make_humans() if settings.has_reactions else []
         self.human: rules.Human | None = None
         self.columns: dict[str, list[Any]] = {n: np.asarray(columns[n]).tolist() for n in settings.columns}
         self.tally = Tally()
+        self.shares: dict[tuple[Any, str], dict[int, float]] = {}
+
+    @property
+    def grid(self) -> rules.Grid:
+        """That of the trial of the row that is counted."""
+        return self.place.grid
 
     def run(self) -> list[Frequency]:
         started = None
         for i, step in enumerate(self.columns["step"]):
             self.human = self.settings.human_in(self.humans, self.columns["trial"][i])
             if step == 0:
+                self._doors(i, started)
                 self._start(i, started)
                 started = i
                 continue
@@ -63,15 +75,37 @@ class _Counting:
 
     # ------------------------------------------------------------------------------ a trial's first row
 
+    def _doors(self, i: int, previous: int | None) -> None:
+        """Where the trial takes place, and which doors toggled before it."""
+        settings, trial = self.settings, self.columns["trial"][i]
+        now = self.columns["open_doors"][i] if settings.n_doors else NO_DOORS
+        self.place, lab = settings.place(trial, now), settings.lab_in(trial)
+        if lab is None or not lab.toggled:
+            return
+        before, last = lab.open_at_first, None
+        if previous is not None:
+            last = self.columns["trial"][previous]
+            if settings.phase_of(last) == settings.phase_of(trial):
+                before = self.columns["open_doors"][previous]
+        times = settings.toggles_of(trial, last)
+        changes = {}
+        for door, p in lab.toggling.items():
+            changes[door] = lab.is_open(door, now) != lab.is_open(door, before), odd(p, times)
+            way = "shuts" if lab.is_open(door, before) else "opens"
+            self.tally.add(f"door {door} {way}", *changes[door])
+        for one, other in pairwise(lab.toggled):
+            (first, p), (second, q) = changes[one], changes[other]
+            self.tally.add(f"doors {one} and {other} both toggle", first and second, p * q)
+
     def _start(self, i: int, previous: int | None) -> None:
-        c, side = self.columns, (self.grid.height, self.grid.width)
-        self._start_cell("robot", i, side)
+        c, goals = self.columns, sorted(self.place.goals)
+        self._start_cell("robot", i)
         headings = [] if self.task == "navigation" else ["robot_heading", "human_heading"]
         if self.task in ("go_to_human", "visit"):
-            self._start_cell("human", i, side)
+            self._start_cell("human", i)
             for axis in ("row", "col"):
                 same = c[f"robot_{axis}"][i] == c[f"human_{axis}"][i]
-                self.tally.add(f"start: same {axis}", same, 1 / (side[0] if axis == "row" else side[1]))
+                self.tally.add(f"start: same {axis}", same, sum(p**2 for p in self._share(axis).values()))
         if self.task == "social":
             headings.append("desired_direction")
         for name in headings:
@@ -80,28 +114,44 @@ class _Counting:
                 self.tally.add(f"start: {name} as the trial before", c[name][i] == c[name][previous], 1 / 8)
         for a, b in pairwise(headings):
             self.tally.uniform(f"start: {a} - {b}", (c[a][i] - c[b][i]) % 8, range(8))
+        carried = self.task == "visit" and i > 0 and self.settings.trial_stride == 1
         if self.task == "navigation" or (self.task == "visit" and i == 0):
-            self.tally.uniform("start: goal_room", c["goal_room"][i], sorted(self.goals))
-            if self.task == "navigation":
-                room = self.grid.room((c["robot_row"][i], c["robot_col"][i]))
-                self.tally.add("start: in the goal room", room == c["goal_room"][i], 1 / len(self.goals))
-        if self.task == "visit":
-            carried = i > 0 and self.settings.trial_stride == 1
-            if carried or i == 0:
-                self._direction_draw(i, c["desired_direction"][i - 1] if carried else None)
+            self.tally.uniform("start: goal_room", c["goal_room"][i], goals)
+        elif carried and c["goal_room"][i - 1] not in goals:
+            self.tally.uniform("start: goal_room in place of one out of reach", c["goal_room"][i], goals)
+        if self.task == "navigation":
+            room = self.grid.room((c["robot_row"][i], c["robot_col"][i]))
+            in_some_goal = sum(self._share("room").get(goal, 0) for goal in goals)
+            self.tally.add("start: in the goal room", room == c["goal_room"][i], in_some_goal / len(goals))
+        if carried or (self.task == "visit" and i == 0):
+            self._direction_draw(i, c["desired_direction"][i - 1] if carried else None)
 
-    def _start_cell(self, who: str, i: int, side: tuple[int, int]) -> None:
-        row, col = self.columns[f"{who}_row"][i], self.columns[f"{who}_col"][i]
-        # Each row and column where there are few, else bands of five.
-        for name, value, n in (("row", row, side[0]), ("col", col, side[1])):
-            width = 1 if n <= 30 else 5
-            bands: dict[int, float] = defaultdict(float)
-            for cell in range(n):
-                bands[cell // width * width] += 1 / n
-            self.tally.choice(f"start: {who}_{name}", value // width * width, bands)
-        if side[0] % 8 == 0:
-            self.tally.uniform(f"start: {who} row + col modulo 8", (row + col) % 8, range(8))
-            self.tally.uniform(f"start: {who} row - col modulo 8", (row - col) % 8, range(8))
+    def _start_cell(self, who: str, i: int) -> None:
+        """Its row and its column where there are few, else bands of five; both diagonals modulo 8; its room."""
+        cell = self.columns[f"{who}_row"][i], self.columns[f"{who}_col"][i]
+        for name in ("row in bands", "col in bands", "row + col modulo 8", "row - col modulo 8", "room"):
+            if name != "room" or self.settings.lab_in(self.columns["trial"][i]):
+                self.tally.choice(f"start: {who} {name}", self._aspect(name, cell), self._share(name))
+
+    def _aspect(self, name: str, cell: rules.Cell) -> int:
+        row, col = cell
+        if name == "room":
+            return self.grid.room(cell)
+        if "bands" in name:
+            n, value = (self.grid.height, row) if "row" in name else (self.grid.width, col)
+            return value if n <= 30 else value // 5 * 5
+        return {"row": row, "col": col, "row + col modulo 8": (row + col) % 8, "row - col modulo 8": (row - col) % 8}[
+            name
+        ]
+
+    def _share(self, name: str) -> dict[int, float]:
+        """How probable each value of an aspect of a cell is where a trial may begin."""
+        starts = self.place.starts
+        key = (self.place.reachable, name)
+        if key not in self.shares:
+            counts = Counter(self._aspect(name, cell) for cell in starts)
+            self.shares[key] = {value: count / len(starts) for value, count in sorted(counts.items())}
+        return self.shares[key]
 
     # ------------------------------------------------------------------------------------------ a step
 
@@ -115,7 +165,9 @@ class _Counting:
     def _geometry(self, i: int) -> rules.Geometry:
         c = self.columns
         robot, human = (c["robot_row"][i], c["robot_col"][i]), (c["human_row"][i], c["human_col"][i])
-        return rules.geometry(robot, c["robot_heading"][i], human, c["human_heading"][i], self.settings.distances)
+        return rules.geometry_in(
+            self.grid, robot, c["robot_heading"][i], human, c["human_heading"][i], self.settings.distances
+        )
 
     def _human_step(self, i: int) -> None:
         c = self.columns
@@ -219,7 +271,7 @@ class _Counting:
         goal = c["goal_room"][i - 1]
         human = (c["human_row"][i], c["human_col"][i])
         if rules.visit_reward(self.grid, goal, human):
-            self.tally.uniform("new goal room", c["goal_room"][i], sorted(self.goals - {goal}))
+            self.tally.uniform("new goal room", c["goal_room"][i], sorted(self.place.goals - {goal}))
         self._direction_draw(i, c["desired_direction"][i - 1])
         if c["action"][i] == Action.GO_TO_HUMAN_VISION and self.settings.greedy_moves is not None:
             geo = self._geometry(i - 1)

@@ -1,11 +1,14 @@
-"""Movement: cells, walls, unit steps, rooms."""
+"""Movement and sight: cells, walls, unit steps, rooms."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
+from itertools import product
 
 from visitlab_cli.world.enums import Direction
 
-Cell = tuple[int, int]
+from .sight import Cell, borders_met
+
+Wall = frozenset[Cell]
 
 # (rows down, columns right) of a unit step in each direction; row 0 is north.
 UNIT_STEP: dict[int, Cell] = {
@@ -38,11 +41,15 @@ def move_action(speed: int, direction: int) -> int:
 
 @dataclass(frozen=True)
 class Grid:
-    """A grid of cells; `walls` holds the pairs of straight neighbours that nobody passes between."""
+    """A grid of cells; `walls` holds the pairs of straight neighbours that nobody passes or looks between.
+
+    `rooms` has each cell's room, row by row, -1 where it is solid; without it rooms are squares of 8 x 8.
+    """
 
     height: int = 24
     width: int = 24
-    walls: frozenset[frozenset[Cell]] = field(default_factory=frozenset)
+    walls: frozenset[Wall] = field(default_factory=frozenset)
+    rooms: tuple[tuple[int, ...], ...] = ()
 
     @classmethod
     def with_walls(cls, height: int, width: int, walls: Iterable[tuple[Cell, Cell]] = ()) -> "Grid":
@@ -88,11 +95,31 @@ class Grid:
             return cell
         return self.move(cell, *move_parts(action))
 
+    def sees(self, a: Cell, b: Cell) -> bool:
+        """Whether the straight line between the middles of two cells meets no wall, not even the end of one."""
+        if not self.walls:
+            return True
+        (row, col), (end_row, end_col) = a, b
+        for (r0, c0), (r1, c1) in borders_met(end_row - row, end_col - col):
+            if not self._open((row + r0, col + c0), (row + r1, col + c1)):
+                return False
+        return True
+
+    def cells(self) -> Iterator[Cell]:
+        """All but the solid ones, row by row."""
+        for cell in product(range(self.height), range(self.width)):
+            if not self.rooms or self.room(cell) >= 0:
+                yield cell
+
     def room(self, cell: Cell) -> int:
+        if self.rooms:
+            return self.rooms[cell[0]][cell[1]]
         return cell[0] // ROOM_SIDE * (self.width // ROOM_SIDE) + cell[1] // ROOM_SIDE
 
     @property
     def n_rooms(self) -> int:
+        if self.rooms:
+            return max(map(max, self.rooms)) + 1
         return (self.height // ROOM_SIDE) * (self.width // ROOM_SIDE)
 
     @property

@@ -8,6 +8,7 @@ import numpy as np
 from visitlab_cli.world.enums import Action, Engagement
 
 from . import rules
+from .lab import NO_DOORS
 from .settings import Settings
 
 
@@ -21,13 +22,16 @@ class Game:
 
     def __init__(self, settings: Settings, source: random.Random) -> None:
         self.settings, self.task, self.random = settings, settings.task, source
-        self.grid = settings.make_grid()
-        self.goals = sorted(settings.goals(self.grid))
+        self.place = settings.place()
         self.row: dict[str, Any] = {}
         self.rows: list[dict[str, Any]] = []
         self.engagement = int(Engagement.NONE)
         self.humans = settings.make_humans() if settings.has_reactions else []
         self.human: Any = None
+
+    @property
+    def grid(self) -> rules.Grid:
+        return self.place.grid
 
     def play(self, trials: int) -> dict[str, np.ndarray]:
         for trial in range(trials):
@@ -49,18 +53,32 @@ class Game:
             "reward": 0.0,
         }
         self.engagement = int(Engagement.NONE)
-        self.put("robot", (eighth(self.grid.height), eighth(self.grid.width)), eighth(8))
-        self.put("human", (eighth(self.grid.height), eighth(self.grid.width)), eighth(8))
+        self.row["open_doors"] = self.toggled(trial, last)
+        self.place = self.settings.place(trial, self.row["open_doors"])
+        self.put("robot", self.random.choice(self.place.starts), eighth(8))
+        self.put("human", self.random.choice(self.place.starts), eighth(8))
         self.row |= {"human_action": none, "executed_action": none, "social_reward": 0.0}
         if self.task == "navigation":
-            self.row |= {"robot_heading": 0, "goal_room": self.random.choice(self.goals)}
+            self.row |= {"robot_heading": 0, "goal_room": self.random.choice(sorted(self.place.goals))}
         elif self.task == "social":
             self.row |= {"human_row": self.grid.height // 2, "human_col": self.grid.width // 2}
             self.row["desired_direction"] = eighth(8)
         elif self.task == "visit":
-            self.row["goal_room"] = last["goal_room"] if last else self.random.choice(self.goals)
+            kept = last.get("goal_room")
+            self.row["goal_room"] = kept if kept in self.place.goals else self.random.choice(sorted(self.place.goals))
             self.refresh_direction(last.get("desired_direction"))
         self.finish()
+
+    def toggled(self, trial: int, last: dict[str, Any]) -> int:
+        """Which doors are open now: each toggles by chance, from how the trial or the lab before it had them."""
+        lab, phase_of = self.settings.lab_in(trial), self.settings.phase_of
+        if lab is None or not lab.toggled:
+            return NO_DOORS
+        same_phase = bool(last) and phase_of(last["trial"]) == phase_of(trial)
+        now: int = last["open_doors"] if same_phase else lab.open_at_first
+        for bit, door in enumerate(lab.toggled):
+            now ^= (self.random.random() < lab.toggling[door]) << bit
+        return now
 
     def step(self) -> None:
         before = self.row
@@ -92,7 +110,7 @@ class Game:
         """What the human goes by: both as they were when the step began."""
         robot, human = (before["robot_row"], before["robot_col"]), (before["human_row"], before["human_col"])
         headings = before["robot_heading"], before["human_heading"]
-        return rules.geometry(robot, headings[0], human, headings[1], self.settings.distances)
+        return rules.geometry_in(self.grid, robot, headings[0], human, headings[1], self.settings.distances)
 
     def react(self, perceived: rules.Geometry, heading: int, gesture: int) -> rules.Reaction:
         """Engagement, movement and gaze, one after the other."""
@@ -133,7 +151,7 @@ class Game:
             row["social_reward"] = social if self.settings.social_reward == "social" else 0.0
             row["reward"] = float(rules.visit_reward(grid, before["goal_room"], self.cell("human")))
             if row["reward"]:
-                row["goal_room"] = self.random.choice([g for g in self.goals if g != before["goal_room"]])
+                row["goal_room"] = self.random.choice(sorted(self.place.goals - {before["goal_room"]}))
             self.refresh_direction(before["desired_direction"])
 
     def desired_direction(self, before: dict[str, Any]) -> int:
@@ -171,6 +189,6 @@ class Game:
 
     def geometry(self) -> rules.Geometry:
         row, distances = self.row, self.settings.distances
-        return rules.geometry(
-            self.cell("robot"), row["robot_heading"], self.cell("human"), row["human_heading"], distances
+        return rules.geometry_in(
+            self.grid, self.cell("robot"), row["robot_heading"], self.cell("human"), row["human_heading"], distances
         )

@@ -21,6 +21,7 @@ Heading = int
 
 DISTANCES = (1, 2, 4, 5)
 APPROPRIATE = (1, 2, 3)
+TOO_FAR = 4
 GESTURES = (Action.HELLO, Action.COME, Action.POINT)
 TELEPORT_SPEED = 2
 TURN = 800  # a full turn in hundredths of 45 degrees, the unit of bearings here
@@ -98,9 +99,25 @@ def geometry(
     human: Cell,
     human_heading: Heading,
     distances: tuple[int, ...] = DISTANCES,
+    in_sight: bool = True,
 ) -> Geometry:
+    """`in_sight`: no wall is between them. Behind one nobody is seen, and to the robot the human is too far away."""
     distance, b, angle = _offset(human[0] - robot[0], human[1] - robot[1], distances)
+    if not in_sight:
+        return Geometry(TOO_FAR, angle, seen=False, human_faces=False, robot_faces=False)
     return _geometry(distance, b, angle, robot_heading, human_heading)
+
+
+def geometry_in(
+    grid: Grid,
+    robot: Cell,
+    robot_heading: Heading,
+    human: Cell,
+    human_heading: Heading,
+    distances: tuple[int, ...] = DISTANCES,
+) -> Geometry:
+    """The same, sight being that of the grid."""
+    return geometry(robot, robot_heading, human, human_heading, distances, grid.sees(robot, human))
 
 
 def interaction_level(geo: Geometry, engagement: int = Engagement.NONE) -> int:
@@ -279,7 +296,7 @@ def human_step(
     distances: tuple[int, ...] = DISTANCES,
 ) -> dict[Outcome, float]:
     """The distribution of the human's step, from where both stood when the step began."""
-    geo = geometry(robot, robot_heading, human_cell, human_heading, distances)
+    geo = geometry_in(grid, robot, robot_heading, human_cell, human_heading, distances)
     outcomes: dict[Outcome, float] = {}
     for reaction, p in reactions(engagement, geo, human_heading, gesture_of(action), human).items():
         cell = grid.after(human_cell, reaction.action)

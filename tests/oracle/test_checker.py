@@ -140,7 +140,7 @@ def test_a_log_that_ends_within_a_trial_is_told_unless_it_may(logs):
     "other",
     [
         {"p_S": (0.3, 0.3, 0.4)},
-        {"p_H": 0.6},
+        {"p_H": 0.7},
         {"p_M": 0.26},
         {"p_O": 0.2},
         {"p_A": 0.2},

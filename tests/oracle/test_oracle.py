@@ -325,9 +325,10 @@ def test_random_movement_and_gaze():
 def test_a_blocked_human_still_moves_and_heads_there():
     follower = step(FOLLOWING, STAY, SURE, robot=((0, 0), E), person=((2, 0), N))
     assert follower == {Outcome(FOLLOWING, rules.move_action(1, N), (1, 0), N): 1.0}
+    # The robot two up and three right, in sight past the end of a wall that the diagonal step may not slide along.
     grid = Grid.with_walls(24, 24, [((2, 0), (1, 0))])
-    blocked = step(FOLLOWING, STAY, SURE, robot=((0, 0), E), person=((2, 0), S), grid=grid)
-    assert blocked == {Outcome(FOLLOWING, rules.move_action(1, N), (2, 0), N): 1.0}
+    blocked = step(FOLLOWING, STAY, SURE, robot=((0, 3), E), person=((2, 0), S), grid=grid)
+    assert blocked == {Outcome(FOLLOWING, rules.move_action(1, NE), (2, 0), NE): 1.0}
 
 
 def test_the_teleport_leads_two_cells_before_the_human_or_to_the_border():
