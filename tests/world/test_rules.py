@@ -3,22 +3,35 @@
 import numpy as np
 import pytest
 
-from tests.oracle.checker import best_directions_of, check_frequencies, check_log, greedy_moves_of
+from tests.oracle.checker import Lab, best_directions_of, check_frequencies, check_log, greedy_moves_of
 from tests.oracle.grid import Grid
-from tests.world.package_log import EPSILON, HUMAN, module_tables, package_log
+from tests.oracle.lab import NO_DOORS
+from tests.world.package_log import EPSILON, HUMAN, LABS, TRIAL_STEPS, module_tables, package_log, phases_log
 
 STEPS = 30_000
+LAB_STEPS = {"navigation": 8_000, "go_to_human": 8_000, "visit": 20_000}
 
 
-def settings_of(task):
+def settings_of(task, lab=""):
+    """What the oracle must know of a log of `package_log`."""
     settings = {"epsilon": EPSILON}
     if task in ("social", "visit"):
         settings["human"] = HUMAN
+    place = Lab(**LABS[lab]) if lab else None
+    if lab:
+        settings["lab"] = place
     if task == "visit":
-        navigation, go_to_human = module_tables()
-        settings["best_directions"] = best_directions_of(navigation, Grid())
+        grid = place.grid(NO_DOORS) if place else Grid()
+        navigation, go_to_human = module_tables(grid.n_rooms * grid.n_cells)
+        settings["best_directions"] = best_directions_of(navigation, grid)
         settings["greedy_moves"] = greedy_moves_of(go_to_human)
     return settings
+
+
+def contradictions(log, task, **settings):
+    """What the oracle has against a log: wrong values, or events that are too frequent or too rare."""
+    found = check_log(log, task, **settings)
+    return found or [each for each in check_frequencies(log, task, **settings) if not abs(each.z) < 4.5]
 
 
 VARIANTS = [
@@ -38,10 +51,39 @@ VARIANTS = [
 def test_every_logged_step_obeys_the_rules(task, options):
     log = package_log(task, STEPS, **options)
     settings = settings_of(task) | options
-    assert check_log(log, task, **settings) == []
-    frequencies = check_frequencies(log, task, **settings)
-    assert frequencies
-    assert [each for each in frequencies if not abs(each.z) < 4.5] == []
+    assert contradictions(log, task, **settings) == []
+    assert check_frequencies(log, task, **settings)
+
+
+@pytest.mark.parametrize("task", LAB_STEPS)
+@pytest.mark.parametrize("lab", LABS)
+def test_every_logged_step_in_a_lab_obeys_the_rules(task, lab):
+    log = package_log(task, LAB_STEPS[task], lab=lab)
+    assert contradictions(log, task, **settings_of(task, lab)) == []
+
+
+@pytest.mark.parametrize("task", LAB_STEPS)
+def test_phases_with_labs_and_doors_of_their_own_obey_the_rules(task):
+    steps, labs = 3_000, ["nine rooms", "toggling", "closed", "toggling"]
+    log = phases_log(task, [(steps, lab) for lab in labs])
+    trials, settings = steps // TRIAL_STEPS[task], settings_of(task, labs[0])
+    settings["phases"] = [(trials, HUMAN, Lab(**LABS[lab])) for lab in labs]
+    assert contradictions(log, task, **settings) == []
+    assert set(np.unique(log["phase"][log["open_doors"] == -1])) == {0, 2}
+
+
+def test_the_logs_of_labs_hold_what_walls_do():
+    log, lab = package_log("visit", LAB_STEPS["visit"], lab="toggling"), Lab(**LABS["toggling"])
+    grids = {doors: lab.grid(doors) for doors in np.unique(log["open_doors"]).tolist()}
+    assert len(grids) == 8, "one of the four doors never toggles"
+    where = np.column_stack([log[name] for name in ("robot_row", "robot_col", "human_row", "human_col")]).tolist()
+    doors = log["open_doors"].tolist()
+    seen = np.array([grids[d].sees((a, b), (c, e)) for d, (a, b, c, e) in zip(doors, where, strict=True)])
+    near = np.abs(np.array(where)[:, :2] - np.array(where)[:, 2:]).max(axis=1) <= 5
+    assert (near & ~seen).sum() > 500
+    lost = (log["interaction_level"][:-1] > 4) & (near & ~seen)[:-1] & (log["interaction_level"][1:] < 5)
+    assert lost.sum() > 10
+    assert log["reward"].sum() > 5
 
 
 def test_the_logs_hold_every_engagement_and_gesture():
