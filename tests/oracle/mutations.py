@@ -8,7 +8,8 @@ from pathlib import Path
 class Mutation:
     """One wrong line: `old`, which occurs exactly once in `file`, becomes `new`.
 
-    `file` is relative to the package's folder; `task` is the task whose log must then be refused.
+    `file` is relative to the package's folder; `task` is the task whose log must then be refused, played in the paper's
+    lab or in `labs`, one phase after the other.
     """
 
     name: str
@@ -16,10 +17,13 @@ class Mutation:
     old: str
     new: str
     task: str
+    labs: tuple[str, ...] = ()
 
 
 HUMAN, GESTURES = "humans/six_parameters.py", "world/human.py"
 GEOMETRY = "world/geometry.py"
+LAB, LAYOUT, SIGHT, SCENE = "world/lab.py", "world/layout.py", "world/sight.py", "world/scene.py"
+SMALL, DOORS = ("small",), ("toggling",)
 
 MUTATIONS: list[Mutation] = [
     Mutation("attention is never lost", HUMAN, "happens(random, human.p_A)", "False", "social"),
@@ -167,6 +171,131 @@ MUTATIONS: list[Mutation] = [
         "rooms[after.human_row, after.human_col]",
         "rooms[after.robot_row, after.robot_col]",
         "visit",
+    ),
+]
+
+MUTATIONS += [
+    # Walls
+    Mutation(
+        "a diagonal step needs one way round only",
+        "world/walls.py",
+        "{(cell, ahead), (cell, beside), (ahead, there), (beside, there)}",
+        "{(cell, ahead), (ahead, there)}",
+        "navigation",
+        SMALL,
+    ),
+    Mutation(
+        "one cell in lower case makes a doorway",
+        LAYOUT,
+        "if all(letter.islower() for letter in letters):",
+        "if any(letter.islower() for letter in letters):",
+        "navigation",
+        SMALL,
+    ),
+    Mutation(
+        "trials begin in cells that no way leads to",
+        LAB,
+        "walls.starts[random_below(random, len(walls.starts))]",
+        "random_below(random, rows * cols)",
+        "navigation",
+        SMALL,
+    ),
+    Mutation("goals in rooms that no way leads to", LAYOUT, " and room in within]", "]", "navigation", SMALL),
+    Mutation("the corridor is a goal", LAYOUT, "letter not in corridor and", "", "navigation", ("corridor",)),
+    Mutation(
+        "a goal that is out of reach now carries over",
+        "world/visit.py",
+        "elif not is_goal(world, goal_room):",
+        "elif False:",
+        "visit",
+        ("nine rooms", "closed", "nine rooms", "closed"),
+    ),
+    # Sight
+    Mutation("walls are of glass", SCENE, "if not visible:", "if False:", "go_to_human", SMALL),
+    Mutation("the level is that of glass", SCENE, "elif visible:", "elif True:", "go_to_human", SMALL),
+    Mutation(
+        "out of sight the distance is wide, so that nobody is lost",
+        SCENE,
+        "distance = TOO_FAR",
+        "distance = TOO_FAR - 1",
+        "visit",
+        ("nine rooms",),
+    ),
+    Mutation(
+        "sight passes where one side of a corner is free",
+        SIGHT,
+        "row_border <= col_border",
+        "row_border < col_border",
+        "go_to_human",
+        SMALL,
+    ),
+    Mutation(
+        "sight goes from the north only",
+        SIGHT,
+        "found[first + down, second + right, first, second] = along",
+        "pass",
+        "go_to_human",
+        SMALL,
+    ),
+    Mutation(
+        "sight passes doors that are shut",
+        SIGHT,
+        "if sight < THROUGH_DOORS:",
+        "if True:",
+        "go_to_human",
+        SMALL,
+    ),
+    # Doors
+    Mutation(
+        "moves pass doors that are shut",
+        LAB,
+        "steps = before_shut(lab.doors, row, col, direction, steps, open_doors)",
+        "",
+        "navigation",
+        SMALL,
+    ),
+    Mutation(
+        "moves end one step behind a shut door",
+        LAB,
+        "            return step\n",
+        "            return step + 1\n",
+        "navigation",
+        SMALL,
+    ),
+    Mutation(
+        "the human passes doors that are shut",
+        HUMAN,
+        "moved(lab, body, human_action, scene.open_doors)",
+        "moved(lab, body, human_action, -1)",
+        "visit",
+        SMALL,
+    ),
+    Mutation("doors never toggle", SCENE, "toggled(lab, last.open_doors, random))", "last.open_doors)", "visit", DOORS),
+    Mutation(
+        "doors toggle half as often",
+        LAB,
+        "happens(random, doors.chances[door])",
+        "happens(random, doors.chances[door] * 0.5)",
+        "navigation",
+        SMALL,
+    ),
+    Mutation("doors are shut only", LAB, "open_doors ^= 1 << door", "open_doors &= ~(1 << door)", "navigation", SMALL),
+    Mutation("doors toggle together", LAB, "open_doors ^= 1 << door", "open_doors ^= 3", "navigation", SMALL),
+    Mutation(
+        "closed doors are open at first where they toggle",
+        LAB,
+        " - sum(1 << door for door in shut)",
+        "",
+        "navigation",
+        DOORS,
+    ),
+    Mutation(
+        "trials begin behind doors that may be shut",
+        LAYOUT,
+        "never = {*closed, *toggling}",
+        "never = {*closed}",
+        "navigation",
+        SMALL,
     ),
 ]
 

@@ -1,6 +1,7 @@
 """A log of the package's own making, for the oracle: played by a script that explores a lot, without training.
 
-Run as a program it plays the package that comes first on the path: `python package_log.py TASK STEPS OUT.npz [LAB]`.
+Run as a program it plays the package that comes first on the path: `python package_log.py TASK STEPS OUT.npz LAB ...`,
+a phase of so many steps in each lab; "" is the paper's.
 """
 
 import sys
@@ -18,20 +19,20 @@ TESTS = Path(__file__).parents[1]
 NINE_ROOMS = (TESTS / "oracle/nine_rooms.txt").read_text().strip()
 CORRIDOR = (TESTS.parent / "configs/beyond/labs/corridor.txt").read_text().strip()
 SMALL = """\
-AAabBB#E
-AAABBB#E
-AaABbB##
-CcCDdDDD
-CCCDDDdD
-CC#DDDfF
-CcdDDDFF"""
-"""Four rooms in a ring with a solid cell, a fifth beside them, and one that no way leads to."""
+AAabBbeEE
+AAABBBEEE
+AaABbBEeE
+CcCDdDFfF
+CCCDDdfFF
+CCcdD#FFF
+GGG######"""
+"""Six rooms in two rings, a solid cell, and a room that no way leads to."""
 LABS = {
     "nine rooms": {"map": NINE_ROOMS},
     "corridor": {"map": CORRIDOR, "corridor": "Z"},
     "closed": {"map": NINE_ROOMS, "closed": ["AB", "AD", "BE"]},  # A is shut off
-    "toggling": {"map": NINE_ROOMS, "closed": ["DE"], "toggling": {"BE": 0.3, "DE": 0.1, "EF": 1.0, "EH": 0.0}},
-    "small": {"map": SMALL, "toggling": {"AB": 0.5, "CD": 0.25, "DF": 0.5}},  # F may be shut off
+    "toggling": {"map": NINE_ROOMS, "closed": ["DE", "EH"], "toggling": {"BE": 0.3, "DE": 0.1, "EF": 1.0, "EH": 0.0}},
+    "small": {"map": SMALL, "toggling": {"AB": 0.5, "BE": 0.25, "EF": 0.5}},  # E may be shut off
 }
 
 
@@ -125,4 +126,4 @@ def phases_log(task, phases, seed=0, **options):
 
 
 if __name__ == "__main__":
-    np.savez(sys.argv[3], **package_log(sys.argv[1], int(sys.argv[2]), lab=" ".join(sys.argv[4:])))
+    np.savez(sys.argv[3], **phases_log(sys.argv[1], [(int(sys.argv[2]), lab) for lab in sys.argv[4:]]))
