@@ -5,9 +5,12 @@ import json
 import numpy as np
 import pytest
 
+from tests.oracle.checker import Lab, best_directions_of, check_frequencies, check_log, greedy_moves_of
+from tests.oracle.lab import NO_DOORS
 from tests.program import hashes, only_cells, the_run, visitlab
 from visitlab_cli.log.reader import read_steps
 from visitlab_cli.scene.trial import lab_of_log, load_trial
+from visitlab_cli.storage.arrays import read_model
 from visitlab_cli.world.enums import InteractionLevel
 from visitlab_cli.world.lab import sees
 
@@ -45,6 +48,10 @@ AAaaZZCCcC
 ZZzzZzcCCC
 ZZZZZzcCCC
 """
+
+
+FAST = {"p_S": (0, 0.5, 0.5), "p_H": 0.05, "p_M": 0.05, "p_O": 0.15, "p_A": 0.05, "p_P": 0}
+PATHS = ("navigation/rmax", "go_to_human/rmax", "visit/phases")
 
 
 @pytest.fixture(scope="module")
@@ -103,6 +110,24 @@ def test_doors_change_between_trials_only_and_goals_are_where_all_can_get(run):
     assert set(steps["goal_room"].tolist()) <= {0, 1, 3}, "never the corridor"
     for phase, unreachable in ((1, 0), (2, 1)):
         assert unreachable not in steps["goal_room"][steps["phase"] == phase]
+
+
+def test_the_logs_obey_the_rules_of_their_labs_and_doors(run):
+    logs = {path: read_steps(run / path / "seed-0000/steps.mcap") for path in PATHS}
+    small, shut = Lab(MAP, "Z"), Lab(MAP, "Z", closed=["AZ"])
+    labs = small, shut, Lab(MAP, "Z", toggling={"BC": 0.5})
+    tables = [read_model(run / path / "seed-0000/model.npz")["q"] for path in PATHS[:2]]
+    modules = {
+        "best_directions": best_directions_of(tables[0], small.grid(NO_DOORS)),
+        "greedy_moves": greedy_moves_of(tables[1]),
+    }
+    visited = {"phases": list(zip((4, 4, 8), [FAST] * 3, labs, strict=True)), "trial_steps": 40} | modules
+    settings = [{"phases": list(zip((150, 20, 20), [None] * 3, labs, strict=True))}, {"lab": small}, visited]
+    for log, task, said in zip(logs.values(), ("navigation", "go_to_human", "visit"), settings, strict=True):
+        assert check_log(log, task, **said) == []
+        assert [each for each in check_frequencies(log, task, **said) if not abs(each.z) < 4.5] == []
+    visited["phases"][1] = (4, FAST, small)
+    assert check_log(logs[PATHS[2]], "visit", **visited), "the door that is shut is seen"
 
 
 def test_a_trial_shows_the_walls_of_its_phase(run):

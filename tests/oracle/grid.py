@@ -2,7 +2,8 @@
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
-from itertools import product
+from functools import cached_property
+from itertools import permutations, product
 
 from visitlab_cli.world.enums import Direction
 
@@ -62,8 +63,13 @@ class Grid:
     def holds(self, cell: Cell) -> bool:
         return 0 <= cell[0] < self.height and 0 <= cell[1] < self.width
 
+    @cached_property
+    def _parted(self) -> set[tuple[Cell, ...]]:
+        """The pairs of `walls`, both ways round."""
+        return {pair for wall in self.walls for pair in permutations(wall)}
+
     def _open(self, a: Cell, b: Cell) -> bool:
-        return frozenset((a, b)) not in self.walls
+        return (a, b) not in self._parted
 
     def unit_step(self, cell: Cell, direction: int) -> Cell | None:
         """The neighbouring cell, or None where the border or a wall is in the way."""
@@ -101,7 +107,7 @@ class Grid:
             return True
         (row, col), (end_row, end_col) = a, b
         for (r0, c0), (r1, c1) in borders_met(end_row - row, end_col - col):
-            if not self._open((row + r0, col + c0), (row + r1, col + c1)):
+            if ((row + r0, col + c0), (row + r1, col + c1)) in self._parted:
                 return False
         return True
 

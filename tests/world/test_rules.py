@@ -57,6 +57,7 @@ def test_every_logged_step_obeys_the_rules(task, options):
     assert check_frequencies(log, task, **settings)
 
 
+@pytest.mark.slow  # compiled; tests/world/test_mutations.py has shorter logs, uncompiled
 @pytest.mark.parametrize("task", LAB_STEPS)
 @pytest.mark.parametrize("lab", LABS)
 def test_every_logged_step_in_a_lab_obeys_the_rules(task, lab):
@@ -64,6 +65,7 @@ def test_every_logged_step_in_a_lab_obeys_the_rules(task, lab):
     assert contradictions(log, task, **settings_of(task, lab)) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("task", LAB_STEPS)
 def test_phases_with_labs_and_doors_of_their_own_obey_the_rules(task):
     steps, labs = 3_000, ["nine rooms", "toggling", "closed", "toggling"]
@@ -72,6 +74,7 @@ def test_phases_with_labs_and_doors_of_their_own_obey_the_rules(task):
     assert set(np.unique(log["phase"][log["open_doors"] == -1])) == {0, 2}
 
 
+@pytest.mark.slow
 def test_the_logs_of_labs_hold_what_walls_do():
     log, lab = package_log("visit", LAB_STEPS["visit"], lab="toggling"), Lab(**LABS["toggling"])
     grids = {doors: lab.grid(doors) for doors in np.unique(log["open_doors"]).tolist()}
