@@ -101,6 +101,11 @@ class Experiment(Settings):
         return self.plays.has(MODULES)
 
     @property
+    def seconds_a_trial(self) -> float:
+        """What a trial costs beside its steps, on one core; for the estimate before a run."""
+        return 0.0
+
+    @property
     def counted_in(self) -> str:
         """What its length is declared in, `steps` or `trials`, and so its curves are over."""
         return "steps"

@@ -130,6 +130,11 @@ class Visit(InLab, HiddenEngagement):
         return "-".join(filter(None, (super().played_as, planned, self.perceived_as)))
 
     @property
+    def seconds_a_trial(self) -> float:
+        """Eight sweeps of a lead plan every ten trials, where what it is made of has changed."""
+        return 0.04 if LEAD in self.options else 0.0
+
+    @property
     def counted_in(self) -> str:
         """Trials, in which a visit tells all."""
         return "trials"

@@ -1,9 +1,12 @@
 """Compiling before the workers start, once, and saying so; a damaged cache is thrown away and made anew."""
 
 import contextlib
+import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
+from typing import NamedTuple
 
 from visitlab_cli.agents.base import Saved, Setting
 from visitlab_cli.agents.plain import AgentFailedError
@@ -12,7 +15,7 @@ from visitlab_cli.config.experiment import lab_of
 from visitlab_cli.errors import VisitlabError
 from visitlab_cli.execution.build import Simulation, build
 from visitlab_cli.execution.cell_runner import simulate
-from visitlab_cli.kernel_cache import VARIABLE, KernelCache
+from visitlab_cli.kernel_cache import VARIABLE, KernelCache, Place
 from visitlab_cli.kinds import kind
 from visitlab_cli.plan.cells import Cell
 from visitlab_cli.random_numbers import random_state
@@ -21,6 +24,8 @@ from visitlab_cli.world.columns import StepColumns
 from visitlab_cli.world.tasks import TASKS
 
 COMPILED = "compiled-"
+SECONDS = 4
+"""What compiling the loop of a pair takes on an ordinary core; with a controller that plans it is five times that."""
 _compiled_here: set[str] = set()
 """The names of the pairs that this process has compiled or loaded."""
 
@@ -42,25 +47,40 @@ def compile_here(cell: Cell) -> None:
             _compiled_here.add(_pair(cell))
 
 
+class _Loop(NamedTuple):
+    """The loop of a pair, and the file that says that it has been compiled, if its code is kept anywhere."""
+
+    name: str
+    simulation: Simulation
+    place: Place
+    marker: Path | None
+
+    @property
+    def is_new(self) -> bool:
+        """Whether it must be compiled."""
+        return self.marker is None or not self.marker.exists()
+
+
 def _warm_up(cells: Sequence[Cell], say: Callable[[str], None]) -> None:
     KernelCache.damage_found = cache(lambda: say("the cache of compiled code is damaged: compiling again"))
-    announced = False
+    loops: list[_Loop] = []
     for name, cell in {_pair(cell): cell for cell in cells}.items():
         with _told_by_the_cell():
             simulation = _one_step(cell)
             place = place_of(records_in(tuple(stretch[:2] for stretch in simulation.stretches)))
-            marker = None if place.folder is None else place.folder / (COMPILED + name)
-            if not announced and (marker is None or not marker.exists()):
-                announced = True
-                if marker is None:
-                    say(f"compiling (each time: {place.why}; set {VARIABLE} to a folder of your own)")
-                else:
-                    say("compiling (first run only, about ten seconds)")
-            _play(simulation)
-            _compiled_here.add(name)
-            if marker is not None:
+            loops.append(_Loop(name, simulation, place, place.folder and place.folder / (COMPILED + name)))
+    new = [loop for loop in loops if loop.is_new]
+    if new and new[0].marker is None:
+        say(f"compiling (each time: {new[0].place.why}; set {VARIABLE} to a folder of your own)")
+    elif new:
+        say(f"compiling (first run only, some {10 * math.ceil(SECONDS * len(new) / 10)} seconds)")
+    for loop in loops:
+        with _told_by_the_cell():
+            _play(loop.simulation)
+            _compiled_here.add(loop.name)
+            if loop.marker is not None:
                 with contextlib.suppress(OSError):
-                    marker.touch()
+                    loop.marker.touch()
 
 
 @contextlib.contextmanager

@@ -54,7 +54,8 @@ def estimate(cells: Sequence[Cell], workers: int) -> Estimate:
 def _seconds(cell: Cell) -> float:
     agent = RandomParameters if cell.frozen else cell.config.agents[cell.agent]  # frozen: neither learns nor plans
     told = agent.microseconds_a_step.get(cell.task, PLAIN if not agent.compiled() else _dearest(cell.task))
-    return cell.settings.plays.costs.seconds + cell.steps * told / 1e6
+    planning = cell.trials * cell.settings.seconds_a_trial
+    return cell.settings.plays.costs.seconds + planning + cell.steps * told / 1e6
 
 
 def _dearest(task: str) -> float:
