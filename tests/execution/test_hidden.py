@@ -75,6 +75,19 @@ def test_what_is_believed_of_people_is_kept_and_gone_on_from(run):
         assert further["belief_parameters"][0] > first["belief_parameters"][0], "slower than the first one"
 
 
+def test_no_truth_lies_beside_what_is_perceived(run):
+    done = visitlab("affordances", run, "--experiment", "sights")
+    assert (done.returncode, done.stderr.count("\n"), "Traceback" in done.stderr) == (5, 1, False)
+
+
+def test_frozen_nothing_is_learned_of_people_either(run):
+    done = visitlab("eval", run, "--frozen", "--trials", 2, "--json")
+    assert done.returncode == 0, done.stderr
+    (played,) = run.glob("evaluations/*/visit/slow/seed-0000/model.npz")
+    kept, before = np.load(played), np.load(run / "social/script/phases/seed-0000/model.npz")
+    assert (kept["belief_parameters"] == before["belief_parameters"]).all()
+
+
 def test_the_log_has_the_belief_and_the_truth(run):
     steps = read_steps(run / "social/script/phases/seed-0000/steps.mcap")
     now = np.stack([steps[f"belief_{name}"] for name in ("none", "greeted", "called", "following")])

@@ -82,7 +82,7 @@ def test_transitions_are_chances():
 def test_the_expected_number_of_losses_is_that_over_all_pasts():
     """An episode of a few steps, each past of engagements told apart, weighed by the world's own human."""
     episode = [each for each in steps(240) if is_appropriate(each[1].distance)][:5]
-    belief = make_belief(GIVEN)
+    belief = make_belief(GIVEN)._replace(learns=True)
     begin(belief)
     pasts = {(0,): 1.0}
     for task, scene, action, reaction, after in episode:

@@ -111,6 +111,8 @@ def _truth(cell: Cell) -> Truth:
     human, *others = cell.humans
     if others:
         raise NotFoundError(f"{cell.path}: met {', '.join(cell.humans)} in turn, so no single truth lies beside it")
+    if cell.settings.hidden:
+        raise NotFoundError(f"{cell.path}: engagement is hidden from it, so no truth lies beside what it perceives")
     return true_transitions(cell.config.humans[human], teleports, cell.config.interaction.distances)
 
 

@@ -101,6 +101,11 @@ class Experiment(Settings):
         return self.plays.has(MODULES)
 
     @property
+    def hidden(self) -> bool:
+        """Whether engagement is hidden from the robot."""
+        return False
+
+    @property
     def seconds_a_trial(self) -> float:
         """What a trial costs beside its steps, on one core; for the estimate before a run."""
         return 0.0

@@ -8,7 +8,7 @@ from pydantic import Field, ValidationInfo, field_validator
 from visitlab_cli.agents.base import AgentParameters, Saved
 from visitlab_cli.agents.declared import Declared
 from visitlab_cli.config.experiment import Experiment, InLab, Site
-from visitlab_cli.config.hidden import HiddenEngagement, belief_arrays
+from visitlab_cli.config.hidden import LEVELS, HiddenEngagement
 from visitlab_cli.config.names import Module, ModuleName, Names, module
 from visitlab_cli.config.phases import ModulePhases, SocialPhases, TrainingPhases
 from visitlab_cli.config.visits import Visit
@@ -148,13 +148,18 @@ class SocialTraining(Training, HiddenEngagement):
         """A belief that learns goes on."""
         return other._replace(perception=task.perception) if self.learns_belief else other
 
+    @property
+    def hidden(self) -> bool:
+        """As it is observed."""
+        return self.observe != LEVELS
+
     def declared_kept(self) -> Mapping[str, Declared]:
         """As a belief has them."""
         return self.declared_belief()
 
     def kept_by(self, task: Social) -> Saved:
         """What is believed of the human."""
-        return belief_arrays(task.perception)
+        return self.kept_of(task.perception)
 
 
 AnyExperiment = Annotated[NavigationTraining | GoToHumanTraining | SocialTraining | Visit, Field(discriminator="task")]

@@ -1,12 +1,13 @@
 """What a config says of hidden engagement: what is observed, and by which parameters a belief is formed."""
 
 from collections.abc import Iterator, Mapping
-from typing import Any, Literal
+from typing import Any, Literal, Self
 
-from pydantic import Field
+from pydantic import Field, PrivateAttr
 
 from visitlab_cli.agents.base import Saved
 from visitlab_cli.agents.declared import Declared, floats
+from visitlab_cli.errors import ConfigError
 from visitlab_cli.humans.six_parameters import SixParameters
 from visitlab_cli.settings import Settings, since
 from visitlab_cli.world.belief import EVENTS, N_PARAMETERS, Belief, make_belief
@@ -17,6 +18,7 @@ from visitlab_cli.yaml.problems import Issue, Path
 LEVELS, GEOMETRY = "levels", "geometry"
 EM, GIVEN = "em", "given"
 UNSAID: Any = None
+NOT_SIX = "no belief is given the parameters of this kind of human, which are not the paper's; say parameters: em"
 ARRAYS = {"belief_parameters": (N_PARAMETERS,), "belief_sums": (EVENTS,), "belief_speeds": (MAX_SPEED,)}
 """What a belief that learns its parameters keeps beside the agent's arrays: their shapes by name."""
 
@@ -43,6 +45,8 @@ class HiddenEngagement(Settings):
         description="where engagement is not observed: what is believed of it takes its place; left out: nothing does",
         json_schema_extra=since("0.2.0"),
     )
+
+    _learned: bool = PrivateAttr(default=False)
 
     @property
     def believes(self) -> bool:
@@ -80,21 +84,31 @@ class HiddenEngagement(Settings):
         if not self.believes:
             return Sights()
         if not self.learns_belief:
+            if type(human) is not SixParameters:
+                raise ConfigError(NOT_SIX)
             names = ("p_H", "p_M", "p_O", "p_A", "p_P")
             return make_belief([*human.p_S, *(getattr(human, name) for name in names)])
         belief = make_belief()
         if ARRAYS.keys() <= saved.keys():
             belief.parameters[:], belief.speeds[:] = saved["belief_parameters"], saved["belief_speeds"]
             belief.sums[:] = saved["belief_sums"]
-        return belief
+        return belief._replace(learns=not self._learned)
+
+    def learned(self) -> Self:
+        """The same whose belief learns its parameters no more."""
+        found = self.model_copy()
+        found._learned = True
+        return found
+
+    def kept_of(self, perception: Any) -> Saved:
+        """What is kept of a belief that learns its parameters; nothing of anything else."""
+        return belief_arrays(perception) if self.learns_belief else {}
 
 
-def belief_arrays(perception: Any) -> Saved:
-    """What is kept of a belief that learns its parameters; nothing of anything else."""
-    if not isinstance(perception, Belief) or not perception.learns:
-        return {}
-    sums = perception.now @ perception.sums
-    return {"belief_parameters": perception.parameters, "belief_sums": sums, "belief_speeds": perception.speeds}
+def belief_arrays(belief: Belief) -> Saved:
+    """What is known of the human's parameters, as arrays: their shapes are in `ARRAYS`."""
+    sums = belief.now @ belief.sums
+    return {"belief_parameters": belief.parameters, "belief_sums": sums, "belief_speeds": belief.speeds}
 
 
 def wrong_belief(path: Path, experiment: Any, met: Iterator[tuple[Path, str, Any]]) -> Iterator[Issue]:
@@ -104,6 +118,5 @@ def wrong_belief(path: Path, experiment: Any, met: Iterator[tuple[Path, str, Any
         yield Issue((*path, "belief"), message, at="key")
     if experiment.believes and experiment.belief.parameters == GIVEN:
         for place, _, human in met:
-            if human is not None and not isinstance(human, SixParameters):
-                message = "the belief is given the paper's six parameters, which this kind of human does not have"
-                yield Issue((*path, *place), message)
+            if human is not None and type(human) is not SixParameters:
+                yield Issue((*path, *place), NOT_SIX)

@@ -10,7 +10,7 @@ from visitlab_cli.agents.declared import Declared
 from visitlab_cli.config.controller import Controller, options_of
 from visitlab_cli.config.experiment import Experiment, InLab, Site
 from visitlab_cli.config.goal_rooms import ALL, GoalRooms, numbered
-from visitlab_cli.config.hidden import HiddenEngagement, belief_arrays
+from visitlab_cli.config.hidden import LEVELS, HiddenEngagement
 from visitlab_cli.config.labs import LabSettings
 from visitlab_cli.config.names import Module, ModuleName, Names, module
 from visitlab_cli.config.phases import VisitPhases
@@ -224,17 +224,22 @@ class Visit(InLab, HiddenEngagement):
         world = other.world._replace(perception=task.world.perception) if self.learns_belief else other.world
         return (other if self.told else task)._replace(world=world)
 
+    @property
+    def hidden(self) -> bool:
+        """As it is observed."""
+        return self.observe != LEVELS
+
     def declared_kept(self) -> Mapping[str, Declared]:
         """As a belief has them."""
         return self.declared_belief()
 
     def kept_by(self, task: VisitTask) -> Saved:
         """What is believed of the human."""
-        return belief_arrays(task.world.perception)
+        return self.kept_of(task.world.perception)
 
     def frozen(self) -> Self:
-        """Navigation learns nothing, either."""
-        return self.model_copy(update={"learns": (SOCIAL,)})
+        """Neither navigation learns anything, nor a belief about the human."""
+        return self.learned().model_copy(update={"learns": (SOCIAL,)})
 
     def parameters_of(self, agent: AgentParameters) -> AgentParameters:
         """Those of the social module, which plans as often as the visit says."""

@@ -38,7 +38,7 @@ def blueprint_of(shown: Scene, *, following: bool = False) -> rrb.Blueprint:
         distance = "Distance in cells, to interact between the lines"
         curves.append(rrb.TimeSeriesView(origin="distance", name=distance, axis_x=axis, plot_legend=NO_LEGEND))
     if trial.has_belief:
-        curves.append(rrb.BarChartView(origin=BELIEF, name="Belief"))
+        curves.append(rrb.BarChartView(origin=BELIEF, name="None, greeted, called, follows"))
     there = {LEVEL: trial.has_human, ACTION: True, GOAL_LANE: trial.has_goal}
     lanes = [lane for lane in LANES if there[lane]]
     names = ", ".join(lane.replace("_", " ") for lane in lanes).capitalize()

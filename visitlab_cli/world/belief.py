@@ -85,6 +85,8 @@ def follow(belief: Belief, lab: Lab, before: Scene, after: Scene, level: int) ->
             if weight <= 0.0:
                 continue
             weights[to] += weight
+            if not belief.learns:
+                continue
             _expect(step, came_from, to, action, appropriate, level, lost / chance)
             for event in range(EVENTS):
                 sums[to, event] += weight * (belief.sums[came_from, event] + step[event])
@@ -101,9 +103,9 @@ def follow(belief: Belief, lab: Lab, before: Scene, after: Scene, level: int) ->
         now[:] = weights
         total = now.sum()
     belief.now[:] = now / total
-    belief.sums[:] = sums
     belief.steps[0] += 1
     if belief.learns:
+        belief.sums[:] = sums
         _count_speed(belief, lab, before, after, action)
         if belief.steps[0] % LEARN_EVERY == 0:
             learn_parameters(belief)
