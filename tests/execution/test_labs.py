@@ -142,7 +142,7 @@ def test_a_trial_shows_the_walls_of_its_phase(run):
     "words",
     [
         ["report", "RUN"],
-        ["figures", "RUN", "--only", "phases"],
+        ["figures", "RUN", "--only", "phases", "--only", "doors"],
         ["runs", "show", "RUN"],
         ["metrics", "RUN"],
         ["runs", "verify", "RUN"],

@@ -61,7 +61,14 @@ def test_the_right_package_is_accepted(copy, tmp_path, task, labs):
     assert not is_refused(copy, tmp_path, task, labs)
 
 
-@pytest.mark.parametrize("mutation", MUTATIONS, ids=lambda mutation: mutation.name)
+IN_TURN = [
+    pytest.param(mutation, id=mutation.name, marks=[pytest.mark.slow] if mutation.labs and number % 2 else [])
+    for number, mutation in enumerate(MUTATIONS)
+]
+"""Of those in other labs, which take longer, every second one is for `make test-slow`."""
+
+
+@pytest.mark.parametrize("mutation", IN_TURN)
 def test_a_wrong_package_is_refused(copy, tmp_path, mutation):
     apply(mutation, copy)
     assert is_refused(copy, tmp_path, mutation.task, mutation.labs)
