@@ -105,9 +105,9 @@ class Layout:
         Args:
             corridor: letters of rooms that are no goals.
             closed: names of doors that are shut.
-            toggling: how likely some doors are opened or shut before a trial, by their names, whose order is
-                that of their bits in `Scene.open_doors`; those that are `closed`, too, are shut only at first. Trials begin, and
-                goals are, where everybody can get while all of them are shut.
+            toggling: how likely some doors are opened or shut before a trial, by their names, whose order is that of
+                their bits in `Scene.open_doors`; those that are `closed`, too, are shut only at first. Trials begin,
+                and goals are, where everybody can get while all of them are shut.
         """
         toggling = dict(sorted((toggling or {}).items()))
         never = {*closed, *toggling}
