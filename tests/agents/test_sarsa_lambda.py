@@ -83,6 +83,7 @@ def test_without_chance_it_comes_to_the_closed_form_of_the_policy_that_it_settle
     assert agent.q.max(axis=1) == pytest.approx(values, rel=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(JIT_DISABLED, reason="this is what is compared with it")
 def test_it_is_the_same_uncompiled():
     code = "from tests.agents.test_sarsa_lambda import played; a, c = played(); print(a.q.tobytes().hex(), c.tolist())"

@@ -24,14 +24,14 @@ experiments:
     agents: [script]
     observe: geometry
     belief: {parameters: em}
-    phases: [{steps: 2000, human: fast}, {steps: 2000, human: slow}]
+    phases: [{steps: 400, human: fast}, {steps: 600, human: slow}]
   on:
     task: social
     agents: [script]
     observe: geometry
     belief: {parameters: em}
     humans: [slow]
-    steps: 1000
+    steps: 400
     start_from: social/script/phases
   sights: {task: social, agents: [script], humans: [fast], steps: 400, observe: geometry}
   visit:

@@ -30,7 +30,7 @@ experiments:
     task: navigation
     agents: [rmax]
     lab: small
-    phases: [{steps: 3000}, {trials: 20, lab: shut}, {trials: 20, doors: {BC: 0.5}}]
+    phases: [{steps: 1000}, {trials: 20, lab: shut}, {trials: 20, doors: {BC: 0.5}}]
   go_to_human: {task: go_to_human, agents: [rmax], lab: small, steps: 600}
   social: {task: social, agents: [script], humans: [fast], steps: 20}
   visit:

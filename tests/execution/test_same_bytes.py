@@ -62,7 +62,13 @@ def wait_for_first_cell(program):
 
 
 @pytest.mark.parametrize(
-    ("number", "workers"), [(signal.SIGINT, 1), (signal.SIGINT, 2), (signal.SIGTERM, 1), (signal.SIGHUP, 2)]
+    ("number", "workers"),
+    [
+        pytest.param(signal.SIGINT, 1, marks=pytest.mark.slow),
+        (signal.SIGINT, 2),
+        (signal.SIGTERM, 1),
+        pytest.param(signal.SIGHUP, 2, marks=pytest.mark.slow),
+    ],
 )
 def test_interrupted_and_resumed(undisturbed, tmp_path, workers, number):
     config, expected = undisturbed

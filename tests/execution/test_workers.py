@@ -59,6 +59,7 @@ def played(tmp_path):
     return run
 
 
+@pytest.mark.slow
 def test_what_lies_in_the_current_folder_is_not_imported(clone, played, tmp_path):
     own = played(tmp_path, 1)
     assert played(clone, 1) == own

@@ -136,6 +136,7 @@ def test_a_log_that_ends_within_a_trial_is_told_unless_it_may(logs):
 # ---------------------------------------------------------------------------------- other probabilities
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "other",
     [
@@ -157,6 +158,7 @@ def test_another_human_is_told_by_its_frequencies(other):
     assert any(next(iter(other)) in name for name in names)
 
 
+@pytest.mark.slow
 def test_other_redrawing_is_told_by_its_frequencies(logs):
     assert worst(logs["social"], "social", human=HUMAN, direction_change=0.15) > LIMIT
     log = play("visit", 300, seed=4, human=HUMAN, goal_rooms=range(8))
@@ -247,6 +249,7 @@ WRONG = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", WRONG)
 def test_a_log_of_wrong_rules_is_refused(name, monkeypatch):
     attribute, wrong, task = WRONG[name]
@@ -291,6 +294,7 @@ class MovesFourCells(Game):
         self.row["robot_col"] = (self.row["robot_col"] + 4) % 24
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("game", "task"),
     [

@@ -216,6 +216,7 @@ def test_the_drawing_is_where_the_log_says(page, tiny_run):
     assert [float(goal.get_attribute(name)) for name in ("x", "y")] == [room % 3 * 8, room // 3 * 8]
 
 
+@pytest.mark.slow
 def test_every_control_is_reached_by_the_tab_key(page):
     wanted = page.locator("button, select, input, summary, .plot, .stage").count()
     reached = set()
@@ -238,6 +239,7 @@ def test_every_control_is_reached_by_the_tab_key(page):
         assert page.evaluate(place) in reached
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_light_and_dark_can_be_read(shown, tiny_page, scheme):
     page = shown(tiny_page, color_scheme=scheme)
@@ -249,6 +251,7 @@ def test_light_and_dark_can_be_read(shown, tiny_page, scheme):
     assert complaints(page) == []
 
 
+@pytest.mark.slow
 def test_on_a_phone_nothing_is_wider_than_the_screen(shown, tiny_page):
     page = shown(tiny_page, **PHONE)
     assert page.evaluate("document.documentElement.scrollWidth") == 390
@@ -259,6 +262,7 @@ def test_on_a_phone_nothing_is_wider_than_the_screen(shown, tiny_page):
     assert complaints(page) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("width", [390, 800, 1280])
 def test_a_grid_of_long_names_can_be_read(shown, grid_page, width):
     page = shown(grid_page, viewport={"width": width, "height": 900}, color_scheme="dark")
@@ -339,6 +343,7 @@ def test_lines_are_sorted_within_their_experiment(page):
     assert means(page) == sorted(declared, reverse=True)
 
 
+@pytest.mark.slow
 def test_on_a_phone_lines_are_sorted_by_a_list(shown, tiny_page):
     page = shown(tiny_page, **PHONE)
     declared = means(page)
@@ -347,6 +352,7 @@ def test_on_a_phone_lines_are_sorted_by_a_list(shown, tiny_page):
     assert means(page) == sorted(declared, reverse=True)
 
 
+@pytest.mark.slow
 def test_a_long_table_is_shown_in_part_and_printed_whole(shown, grid_page):
     page = shown(grid_page)
     rows = shown_lines(page, "results")

@@ -160,6 +160,7 @@ def test_a_plan_is_made_anew_after_ten_trials_where_an_estimate_has_changed():
     assert leading.loss[0] == 0.5
 
 
+@pytest.mark.slow
 def test_uncompiled(tmp_path):
     environment = os.environ | {"NUMBA_DISABLE_JIT": "1"}
     for name, setting in (("compiled", {}), ("plain", environment)):

@@ -60,7 +60,7 @@ def steps(n):
 
 def test_a_step_of_the_filter_is_bayes_rule_with_the_worlds_own_human():
     rng = np.random.default_rng(3)
-    for task, scene, action, reaction, after in steps(60):
+    for task, scene, action, reaction, after in steps(24):
         belief = make_belief(GIVEN)
         belief.now[:] = rng.dirichlet(np.ones(4))
         seen = reaction.human_row, reaction.human_col, reaction.human_heading
@@ -81,7 +81,7 @@ def test_transitions_are_chances():
 
 def test_the_expected_number_of_losses_is_that_over_all_pasts():
     """An episode of a few steps, each past of engagements told apart, weighed by the world's own human."""
-    episode = [each for each in steps(240) if is_appropriate(each[1].distance)][:5]
+    episode = [each for each in steps(120) if is_appropriate(each[1].distance)][:5]
     belief = make_belief(GIVEN)._replace(learns=True)
     begin(belief)
     pasts = {(0,): 1.0}
