@@ -96,7 +96,7 @@ def test_the_arrows_of_a_human_that_never_fails():
 
 def test_states_are_taken_apart_as_the_world_puts_them_together():
     for level, distance, desired, angle in [(7, 4, 7, 7), (3, 0, 5, 1), (0, 2, 0, 6)]:
-        scene = NOWHERE._replace(interaction_level=level, distance=distance, desired_direction=desired, angle=angle)
+        scene = NOWHERE._replace(perceived_level=level, distance=distance, desired_direction=desired, angle=angle)
         assert tuple(map(int, parts_of(social_state(scene)))) == (level, distance, desired, angle)
 
 

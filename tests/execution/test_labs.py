@@ -122,7 +122,7 @@ def test_the_logs_obey_the_rules_of_their_labs_and_doors(run):
         "greedy_moves": greedy_moves_of(tables[1]),
     }
     visited = {"phases": list(zip((4, 4, 8), [FAST] * 3, labs, strict=True)), "trial_steps": 40} | modules
-    settings = [{"phases": list(zip((150, 20, 20), [None] * 3, labs, strict=True))}, {"lab": small}, visited]
+    settings = [{"phases": list(zip((50, 20, 20), [None] * 3, labs, strict=True))}, {"lab": small}, visited]
     for log, task, said in zip(logs.values(), ("navigation", "go_to_human", "visit"), settings, strict=True):
         assert check_log(log, task, **said) == []
         assert [each for each in check_frequencies(log, task, **said) if not abs(each.z) < 4.5] == []

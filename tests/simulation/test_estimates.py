@@ -29,7 +29,7 @@ def steps(count, speeds, loss, seed=0, action=int(Action.STAY)):
             continue
         before = NOWHERE._replace(
             robot_row=robot[0], robot_col=robot[1], human_row=human[0], human_col=human[1],
-            interaction_level=FOLLOWS, angle=angle, distance=distance,
+            interaction_level=FOLLOWS, perceived_level=FOLLOWS, angle=angle, distance=distance,
         )  # fmt: skip
         lost = draw.random() < loss
         end = human
@@ -39,7 +39,7 @@ def steps(count, speeds, loss, seed=0, action=int(Action.STAY)):
         yield (
             before,
             before._replace(
-                human_row=end[0], human_col=end[1], interaction_level=SEEN if lost else FOLLOWS, executed_action=action
+                human_row=end[0], human_col=end[1], perceived_level=SEEN if lost else FOLLOWS, executed_action=action
             ),
         )
 
@@ -77,7 +77,14 @@ def test_a_hello_is_no_chance_to_see_attention_lost():
 def test_a_blocked_move_is_shared_out_by_how_likely_each_speed_was():
     estimates = make_estimates()
     corner = NOWHERE._replace(
-        robot_row=3, robot_col=0, human_row=0, human_col=0, interaction_level=FOLLOWS, angle=2, distance=2
+        robot_row=3,
+        robot_col=0,
+        human_row=0,
+        human_col=0,
+        interaction_level=FOLLOWS,
+        perceived_level=FOLLOWS,
+        angle=2,
+        distance=2,
     )
     assert KNOWN.after[0, 6] == COLS  # southwards, towards the robot
     estimates.speeds[:] = 0.2, 0.3, 0.5

@@ -26,8 +26,8 @@ def known_of(lab, how):
 
 
 def step(robot, end, action, human=(5, 5), human_end=(5, 5), level=InteractionLevel.NOT_SEEN, angle=0):
-    before = Scene(*robot, 0, *human, interaction_level=level, angle=angle, distance=2)
-    return before, Scene(*end, 0, *human_end, executed_action=action, interaction_level=level)
+    before = Scene(*robot, 0, *human, perceived_level=level, angle=angle, distance=2)
+    return before, Scene(*end, 0, *human_end, executed_action=action, perceived_level=level)
 
 
 def learned(known, learning, *scenes):
