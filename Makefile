@@ -11,7 +11,7 @@ quickstart: $(READY)
 	$(BIN)/visitlab run configs/quickstart.yaml
 
 test: $(READY)
-	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 4 --dist loadfile -rs
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 3 --dist loadfile -rs
 
 # Compiles, into the cache of compiled code, what most tests need; they work without it.
 warm: $(READY)

@@ -143,6 +143,7 @@ def test_a_config_that_asks_too_much_is_told(text, told, tmp_path):
         load(tmp_path / "mirror.yaml")
 
 
+@pytest.mark.slow
 def test_it_is_trained_gone_on_from_visited_frozen_and_verified(tmp_path):
     (tmp_path / "mirror.yaml").write_text(config())
     done = visitlab("run", tmp_path / "mirror.yaml", "--out", tmp_path / "runs", "--workers", 1)

@@ -53,6 +53,7 @@ def test_every_command_has_a_panel_and_two_examples():
         assert all(example.startswith(f"visitlab {words}") for example in examples)
 
 
+@pytest.mark.slow
 def test_the_examples_run_one_after_the_other(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     for words, examples in EXAMPLES.items():

@@ -82,6 +82,7 @@ def test_two_steps_are_worth_what_the_whole_tree_says(calm, start):
     assert chance[place_of(calm, scene)] == pytest.approx(tree(task, scene, 2, np.mean, {}), abs=1e-12)
 
 
+@pytest.mark.slow
 def test_farther_offsets_change_nothing(calm):
     farther = social_model(CALM.create(), DISTANCES, calm.reach + 2, 0.0)
     found = []
@@ -97,6 +98,7 @@ def test_random_actions_need_not_see_the_direction(calm):
     assert mean_over_starts(calm, Induction(direction_blind(calm)).random(5), 120) == pytest.approx(whole)
 
 
+@pytest.mark.slow
 def test_the_same_twice(calm):
     first, second = ([each for each in Induction(calm).optimal(4)][-1] for _ in range(2))
     assert (first[0] == second[0]).all()
@@ -116,6 +118,7 @@ def played(human, steps, trials, seed):
     return rewards, mean_over_starts(model, induction[-1][0], task.lab.rows)
 
 
+@pytest.mark.slow
 def test_the_best_actions_earn_what_is_promised():
     rewards, promised = played(ODD, 8, 800, 3)
     assert abs(rewards.mean() - promised) < 4.5 * rewards.std() / math.sqrt(len(rewards))

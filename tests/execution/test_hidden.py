@@ -58,6 +58,7 @@ def run(config):
     return the_run(config.parent / "runs")
 
 
+@pytest.mark.slow
 def test_one_worker_uncompiled_and_what_is_added_later(run, config, tmp_path):
     for seeds, env in ((1, {"NUMBA_DISABLE_JIT": "1"}), (2, {})):
         done = visitlab("run", config, f"seeds={seeds}", "--workers", 1, "--out", tmp_path, env=env)
@@ -65,6 +66,7 @@ def test_one_worker_uncompiled_and_what_is_added_later(run, config, tmp_path):
     assert only_cells(hashes(the_run(tmp_path))) == only_cells(hashes(run))
 
 
+@pytest.mark.slow
 def test_what_is_believed_of_people_is_kept_and_gone_on_from(run):
     first = np.load(run / "social/script/phases/seed-0000/model.npz")
     then = np.load(run / "on/script/slow/seed-0000/model.npz")
@@ -75,11 +77,13 @@ def test_what_is_believed_of_people_is_kept_and_gone_on_from(run):
         assert further["belief_parameters"][0] > first["belief_parameters"][0], "slower than the first one"
 
 
+@pytest.mark.slow
 def test_no_truth_lies_beside_what_is_perceived(run):
     done = visitlab("affordances", run, "--experiment", "sights")
     assert (done.returncode, done.stderr.count("\n"), "Traceback" in done.stderr) == (5, 1, False)
 
 
+@pytest.mark.slow
 def test_frozen_nothing_is_learned_of_people_either(run):
     done = visitlab("eval", run, "--frozen", "--trials", 2, "--json")
     assert done.returncode == 0, done.stderr
@@ -88,6 +92,7 @@ def test_frozen_nothing_is_learned_of_people_either(run):
     assert (kept["belief_parameters"] == before["belief_parameters"]).all()
 
 
+@pytest.mark.slow
 def test_the_log_has_the_belief_and_the_truth(run):
     steps = read_steps(run / "social/script/phases/seed-0000/steps.mcap")
     now = np.stack([steps[f"belief_{name}"] for name in ("none", "greeted", "called", "following")])
@@ -98,6 +103,7 @@ def test_the_log_has_the_belief_and_the_truth(run):
     assert "belief_none" not in read_steps(run / "sights/script/fast/seed-0000/steps.mcap")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("words", "told"),
     [

@@ -77,7 +77,7 @@ def filled(tmp_path_factory):
     return folder / "cache"
 
 
-@pytest.mark.parametrize("damage", [lambda data: data[: len(data) // 2], flipped])
+@pytest.mark.parametrize("damage", [pytest.param(lambda data: data[: len(data) // 2], marks=pytest.mark.slow), flipped])
 def test_a_damaged_cache_is_made_anew(filled, tmp_path, damage):
     config = ["run", TINY, "--out", tmp_path / "runs", "--workers", 1]
     cache = {"VISITLAB_CACHE": str(shutil.copytree(filled, tmp_path / "cache"))}

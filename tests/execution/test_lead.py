@@ -58,12 +58,14 @@ def run(config):
     return the_run(config.parent / "runs")
 
 
+@pytest.mark.slow
 def test_one_worker_and_what_is_added_later(run, config, tmp_path):
     for seeds in (1, 2):
         assert visitlab("run", config, f"seeds={seeds}", "--workers", 1, "--out", tmp_path).returncode == 0
     assert only_cells(hashes(the_run(tmp_path))) == only_cells(hashes(run))
 
 
+@pytest.mark.slow
 def test_only_a_plan_is_in_the_log(run):
     logs = {name: run / name / "fast" / "seed-0000" / "steps.mcap" for name in ("paper", "mask", "lead")}
     names = {name: list(read_steps(log)) for name, log in logs.items()}
@@ -73,6 +75,7 @@ def test_only_a_plan_is_in_the_log(run):
     assert b"plan_leads" in logs["lead"].read_bytes()
 
 
+@pytest.mark.slow
 def test_a_plan_is_drawn_while_it_leads(run):
     trial = load_trial(run / "lead" / "fast" / "seed-0000" / "steps.mcap", 3)
     leads = trial.steps["plan_leads"]
@@ -85,6 +88,7 @@ def test_a_plan_is_drawn_while_it_leads(run):
             assert corner.tolist() == [trial.steps["robot_col"][step + 1], trial.steps["robot_row"][step + 1]]
 
 
+@pytest.mark.slow
 def test_who_is_told_leads_otherwise(run):
     told, estimated = (read_steps(run / name / "fast" / "seed-0000" / "steps.mcap") for name in ("lead_told", "lead"))
     assert any((told[name] != estimated[name]).any() for name in told)

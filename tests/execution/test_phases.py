@@ -226,7 +226,7 @@ def test_thinned_logs_keep_their_phases(tmp_path):
 @pytest.mark.parametrize(
     "command",
     [
-        ["report"],
+        pytest.param(["report"], marks=pytest.mark.slow),
         ["figures"],
         ["compare", "--by", "agent"],
         ["compare", "--by", "phase"],

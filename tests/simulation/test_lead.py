@@ -99,6 +99,7 @@ def test_the_robot_goes_where_the_plan_sends_it_and_does_not_explore():
     assert set(np.maximum(*apart).tolist()) <= {2, 3, 4, 5}
 
 
+@pytest.mark.slow
 def test_leading_reaches_more_goals_than_the_papers_modules():
     lab = two_rooms(8, 16)
     paper = played(visit_in(lab), 40)["reward"].sum()
