@@ -59,6 +59,11 @@ def test_going_on_with_other_code_is_told(tmp_path, capsys):
     [
         ({"agents": {"mf": {"kind": "q_learning", "alpha": 2}}}, ConfigError, "agents.mf.alpha: must be at most 1"),
         ({"agents": {"mf": {"kind": object()}}}, UsageError, "the config: must be plain values"),
+        (
+            {"include": ["humans/paper.yaml"]},
+            ConfigError,
+            "include: only a file includes files; write out what they have",
+        ),
     ],
 )
 def test_what_is_wrong_is_one_of_our_errors(tmp_path, change, error, line):

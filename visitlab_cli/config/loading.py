@@ -11,7 +11,7 @@ from visitlab_cli.errors import UsageError
 from visitlab_cli.wording import shown
 from visitlab_cli.yaml.document import Node, Place
 from visitlab_cli.yaml.files import read_content
-from visitlab_cli.yaml.include import read_with_includes
+from visitlab_cli.yaml.include import INCLUDE, read_with_includes
 from visitlab_cli.yaml.overrides import Sections, apply_overrides
 from visitlab_cli.yaml.problems import Problem, failure
 from visitlab_cli.yaml.reader import read_yaml
@@ -68,7 +68,9 @@ def load_content(content: bytes, path: Path) -> Config:
 
 
 def load_text(text: str, source: str) -> Config:
-    """The config in a text that stands for itself, such as what `dump_yaml` wrote; `source` names it in messages.
+    """The config in a text that stands for itself, such as what `dump_yaml` wrote: it includes no file.
+
+    `source` names it in messages.
 
     Raises:
         ConfigError: as `load`.
@@ -77,4 +79,10 @@ def load_text(text: str, source: str) -> Config:
     document = document or Node({}, Place(source, 1, 1))
     if not isinstance(document.value, dict):
         raise failure([*problems, Problem(document.place, (), "must be a mapping")])
+    if INCLUDE in document.value:
+        problems = [
+            *problems,
+            Problem(document.value[INCLUDE].place, (INCLUDE,), "only a file includes files; write out what they have"),
+        ]
+        document = document.with_entries({key: node for key, node in document.value.items() if key != INCLUDE})
     return with_checked_grid(build(document, problems), document)
