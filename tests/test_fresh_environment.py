@@ -81,3 +81,12 @@ def test_it_is_all_that_it_says(program, name, tmp_path):
     compared = json.loads(program("compare", whole, "--by", "agent", "--json"))
     assert {pair[side]["name"] for pair in compared["pairs"] for side in ("first", "second")} >= {"mf", "mb"}
     program("runs", "verify", whole)
+
+    for kind in agents:
+        asked = ["score", kind, "--only", "navigation", "--only", "go_to_human", "--seeds", 1]
+        (scored,) = json.loads(program(*asked, "--out", tmp_path / "scores", "--json"))["agents"]
+        assert scored["kind"] == kind
+        assert {row["row"]: row["score"]["mean"] > 0.2 for row in scored["rows"]} == {
+            "navigation": True,
+            "go_to_human": True,
+        }
