@@ -71,6 +71,16 @@ def test_only_files_are_included(folder: Path, complaint: Complain) -> None:
     ]
 
 
+def test_what_is_not_beside_a_file_is_taken_from_those_that_are_shipped(folder: Path, loaded: Load) -> None:
+    included = f"include: [agents/built-in.yaml]\n{LAB}"
+    assert "q_learning" in loaded(included).agents
+    (folder / "agents").mkdir()
+    (folder / "agents" / "built-in.yaml").write_text("agents: {near: {kind: random}}\n")
+    agents = loaded(included).agents
+    assert "near" in agents
+    assert "q_learning" not in agents
+
+
 def test_the_home_folder_has_its_sign(folder: Path, loaded: Load, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("HOME", str(folder / "home"))
     (folder / "home").mkdir()

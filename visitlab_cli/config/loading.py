@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from visitlab_cli.config.building import build
-from visitlab_cli.config.files import find
+from visitlab_cli.config.files import find, shipped_folder
 from visitlab_cli.config.grid import with_checked_grid
 from visitlab_cli.config.model import Config
 from visitlab_cli.errors import UsageError
@@ -42,7 +42,7 @@ def load(name: str | Path, overrides: Sequence[str] = ()) -> Config:
         ConfigError: with a line `file:line:column: path: message` for every problem.
         UsageError: for an override that is not `key=value`, or of a setting that varies.
     """
-    document, problems = read_with_includes(find(name), OWN_KEYS)
+    document, problems = read_with_includes(find(name), OWN_KEYS, shipped_folder())
     keys = [override.partition("=")[0] for override in overrides]
     if any(key not in HARMLESS and key.split(".")[0] != EXPECTED for key in keys):
         document = document.with_entries({key: node for key, node in document.value.items() if key != EXPECTED})

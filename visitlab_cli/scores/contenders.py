@@ -10,6 +10,7 @@ from visitlab_cli.agents.registry import KINDS
 from visitlab_cli.config.building import build
 from visitlab_cli.config.canonical import canonical
 from visitlab_cli.config.files import find as find_config
+from visitlab_cli.config.files import shipped_folder
 from visitlab_cli.config.loading import OWN_KEYS
 from visitlab_cli.config.loading import SECTIONS as NAMED
 from visitlab_cli.errors import NotFoundError, RunError, UsageError
@@ -109,7 +110,7 @@ def _config(word: str) -> tuple[Node, list[Problem]]:
             raise
         near = or_else(word, list(KINDS))
         raise NotFoundError(f"{printable(word)}: no kind of agent, and no config of this name{near}") from error
-    return read_with_includes(file, OWN_KEYS)
+    return read_with_includes(file, OWN_KEYS, shipped_folder())
 
 
 def _checked(document: Node, problems: list[Problem]) -> dict[str, tuple[AgentParameters, Any]]:

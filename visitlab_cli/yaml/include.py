@@ -18,25 +18,29 @@ Identity = tuple[int, int]
 """A file's device and number, which are the same by whatever name it is found."""
 
 
-def read_with_includes(path: Path, own_keys: Sequence[str] = ()) -> tuple[Node, list[Problem]]:
+def read_with_includes(
+    path: Path, own_keys: Sequence[str] = (), elsewhere: Path | None = None
+) -> tuple[Node, list[Problem]]:
     """A file with everything that it includes, and what was wrong on the way.
 
     Args:
         path: of the file.
         own_keys: what a file does not take over from those that it includes.
+        elsewhere: the folder of what is included and is not beside the file that includes it.
 
     Raises:
         NotFoundError, ConfigError: as `read_bytes` and `read_content`.
     """
-    reading = _Reading(own_keys)
+    reading = _Reading(own_keys, elsewhere)
     return reading.whole(path, ()), reading.problems
 
 
 class _Reading:
     """All the files of one config; each is read once, however often it is included."""
 
-    def __init__(self, own_keys: Sequence[str]) -> None:
+    def __init__(self, own_keys: Sequence[str], elsewhere: Path | None) -> None:
         self.own_keys = own_keys
+        self.elsewhere = elsewhere
         self.problems: list[Problem] = []
         self.files: dict[Identity, Node] = {}
         self.begun = self.bytes = self.values = 0
@@ -66,15 +70,20 @@ class _Reading:
         included = entries.pop(INCLUDE, None)
         document = document.with_entries(entries)
         for entry in _names(included, self.problems):
-            target = path.parent / os.path.expanduser(entry.value)
             try:
-                other = self.whole(target, (*chain, identity))
+                other = self.whole(self._target(entry.value, path.parent), (*chain, identity))
             except (NotFoundError, UnreadableError) as error:
                 self.problems.append(Problem(entry.place, (INCLUDE,), str(error)))
                 continue
             document = _merged(document, other, self.own_keys, self.problems)
         self.files[identity] = document
         return document
+
+    def _target(self, name: str, beside: Path) -> Path:
+        near = beside / os.path.expanduser(name)
+        if self.elsewhere is None or os.path.lexists(near) or not os.path.lexists(self.elsewhere / name):
+            return near
+        return self.elsewhere / name
 
 
 def _names(included: Node | None, problems: list[Problem]) -> list[Node]:
