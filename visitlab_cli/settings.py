@@ -13,6 +13,8 @@ from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined, to_jsonable_python
 
 _SINCE = "since"
+WORD, SOME = "<word>", "<some>"
+"""What pydantic calls the forms of a setting that is a word or a mapping."""
 
 
 class Settings(BaseModel):

@@ -139,5 +139,8 @@ def _chosen(run: Path, cells: Sequence[Cell], selection: Selection) -> Cell:
 
 
 def _visits_of(run: Path, cells: Sequence[Cell], trained: Cell) -> list[Cell]:
-    of_it = [c for c in cells if c.settings.assembled and c.modules[SOCIAL] == trained.path and len(c.humans) == 1]
+    visits = [
+        cell for cell in cells if cell.settings.assembled and not cell.settings.pooled and not cell.learner.forgets
+    ]
+    of_it = [cell for cell in visits if cell.modules[SOCIAL] == trained.path and len(cell.humans) == 1]
     return [cell for cell in of_it if read_cell(run / cell.path) is not None]

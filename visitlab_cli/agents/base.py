@@ -4,8 +4,8 @@ An agent's file holds its parameters (a pydantic model, from the YAML), its reco
 numbers, the only thing that kernels see) and its kernels, registered with `CHOOSE` and `LEARN` for that record.
 """
 
-from collections.abc import Mapping
-from typing import Any, ClassVar, NamedTuple, Protocol
+from collections.abc import Mapping, Sequence
+from typing import Any, ClassVar, NamedTuple, Protocol, Self
 
 import numpy as np
 import numpy.typing as npt
@@ -42,6 +42,9 @@ class AgentParameters(Kind):
     microseconds_a_step: ClassVar[Mapping[str, float]] = {}
     """What a step costs, by task, for the estimate before a run: of a whole cell on one core, in a visit as its
     social module; where it is not told, the dearest of the kinds that do stands in."""
+
+    pools: ClassVar[bool] = False
+    """Whether a visit can begin with what several of its kind have learned, as one."""
     kind: str
 
     references: ClassVar[dict[str, tuple[str, ...]]] = {}
@@ -108,6 +111,31 @@ class AgentParameters(Kind):
 
     def forget_rewards(self, record: Any) -> None:
         """Let a planner's record plan on with no rewards until a pair is tried again; nothing to others."""
+
+    def pooled(self, setting: "Setting", several: Sequence[Saved], strength: float) -> Saved:
+        """What `save` would give of one that knows what `several` have learned; asked of one that `pools`.
+
+        `strength` is how many visits to a pair that counts as, at most.
+        """
+        raise NotImplementedError
+
+    @property
+    def forgets(self) -> bool:
+        """Whether its counts may become fewer, so that they do not tell what it met since."""
+        return False
+
+    def taking_in_a_pool(self) -> Self:
+        """The parameters with which one goes on from what `pooled` gave."""
+        return self
+
+    def meet(self, record: Any, human: int) -> None:
+        """Be told that another human comes: at a visit's start, and where phases change it.
+
+        Args:
+            record: the agent's.
+            human: its number among those of the cell, by when they come first. An agent that is to find out by
+                itself leaves it alone.
+        """
 
     def save(self, record: Any) -> Saved:
         """The arrays of a record, with their public names (`q`, `visits`, `reward_sums`, `successor_*`)."""

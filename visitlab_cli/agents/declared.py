@@ -8,6 +8,8 @@ import numpy.typing as npt
 
 LARGEST = 1e30
 """No value or sum of rewards is larger; of such many can be added up."""
+ROUNDING = 1e-6
+"""What weights that were scaled and added up may be off."""
 
 
 class Declared(NamedTuple):
@@ -27,6 +29,11 @@ def floats(*shape: int | None) -> Declared:
 def counts(*shape: int | None, low: int = 0, high: int = 2**31 - 1, dtype: str = "<i4") -> Declared:
     """Whole numbers from `low` to `high`."""
     return Declared(dtype, shape, low, high)
+
+
+def weights(*shape: int | None) -> Declared:
+    """Counts that may be parts of one, as where some of them were taken back."""
+    return Declared("<f8", shape, 0.0, LARGEST)
 
 
 RANDOM_STATE = Declared("<u8", (4,), 0, 2**64 - 1)
@@ -61,9 +68,11 @@ def fault_in_model(arrays: Mapping[str, npt.NDArray[Any]]) -> str | None:
     if (np.diff(offsets) < 0).any():
         return "successor_offsets decreases"
     some = np.diff(offsets) > 0
-    sums = np.zeros(len(some), np.int64)
+    whole = seen.dtype.kind == "i"
+    sums = np.zeros(len(some), np.int64 if whole else np.float64)
     if some.any():
-        sums[some] = np.add.reduceat(seen, offsets[:-1][some], dtype=np.int64)
-    if (sums != arrays["visits"].ravel()).any():
+        sums[some] = np.add.reduceat(seen, offsets[:-1][some], dtype=sums.dtype)
+    visits = arrays["visits"].ravel()
+    if (sums != visits).any() if whole else not np.allclose(sums, visits, rtol=ROUNDING, atol=ROUNDING):
         return "successor_counts do not sum to visits"
     return None

@@ -13,6 +13,21 @@ class OneModelParameters(TabularParameters):
 
     plans: ClassVar[bool] = True
 
+    @property
+    def weighted(self) -> bool:
+        """Whether its counts may be parts of one."""
+        return False
+
+    @property
+    def played_as(self) -> str:
+        """Also by what its counts are."""
+        return "-".join(filter(None, (super().played_as, "weighted" if self.weighted else "")))
+
+    @property
+    def forgets(self) -> bool:
+        """Where counts may be parts, some were taken back."""
+        return self.weighted
+
     def _forget_rewards(self, record: Any) -> None:
         """The R that sweeps use is 0 until a pair is next tried."""
         record.model.mean_rewards[:] = 0.0
@@ -27,7 +42,7 @@ class OneModelParameters(TabularParameters):
 
     def arrays(self, setting: Setting) -> dict[str, Declared]:
         """The table and the learned model."""
-        return {"q": floats(setting.n_states, setting.n_actions), **declared_model(setting)}
+        return {"q": floats(setting.n_states, setting.n_actions), **declared_model(setting, weighted=self.weighted)}
 
     def _fault(self, saved: Saved) -> str | None:
         """Whether the model is one."""

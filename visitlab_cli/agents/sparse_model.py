@@ -8,18 +8,21 @@ moves to the pool's end with twice the room. The pool is large enough for the st
 memory is only spent on what is touched.
 """
 
-from typing import NamedTuple
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from visitlab_cli.agents.base import Saved, Setting
-from visitlab_cli.agents.declared import Declared, counts, floats
+from visitlab_cli.agents.declared import Declared, counts, floats, weights
 from visitlab_cli.agents.exploration import Table, maximum
 from visitlab_cli.compiled import kernel, long_kernel
 
 Ints = npt.NDArray[np.int64]
 Counts = npt.NDArray[np.int32]
+Weights = npt.NDArray[np.int32] | npt.NDArray[np.float64]
+"""Counts, which may be parts of one where some were taken back."""
 
 
 ARRAYS = ("visits", "reward_sums", "successor_offsets", "successor_states", "successor_counts")
@@ -29,31 +32,32 @@ ARRAYS = ("visits", "reward_sums", "successor_offsets", "successor_states", "suc
 class SparseModel(NamedTuple):
     """Counts and rewards of every (state, action) pair; arrays over pairs have shape (states * actions,)."""
 
-    visits: Counts  # n(s, a)
+    visits: Weights  # n(s, a)
     reward_sums: Table
     mean_rewards: Table  # the R that sweeps use
     first: Ints  # where a pair's successors begin in the pool
     room: Counts  # how many of them fit there
     length: Counts  # how many there are
     pool_states: Counts
-    pool_counts: Counts
+    pool_counts: Weights
     pool_end: Ints  # shape (1,)
 
 
-def empty_model(setting: Setting) -> SparseModel:
-    """A model that has seen nothing, with room for `setting.steps` visits."""
+def empty_model(setting: Setting, *, weighted: bool = False) -> SparseModel:
+    """A model that has seen nothing, with room for `setting.steps` visits; `weighted`: its counts may be parts."""
+    dtype: Any = np.float64 if weighted else np.int32
     pairs = setting.n_states * setting.n_actions
     # a pair with k successors has used rooms of 1 + 2 + ... up to less than 2k, fewer than 4k in all
     pool = 4 * min(setting.steps, pairs * setting.n_states) + 1
     return SparseModel(
-        visits=np.zeros(pairs, np.int32),
+        visits=np.zeros(pairs, dtype),
         reward_sums=np.zeros(pairs),
         mean_rewards=np.zeros(pairs),
         first=np.zeros(pairs, np.int64),
         room=np.zeros(pairs, np.int32),
         length=np.zeros(pairs, np.int32),
         pool_states=np.empty(pool, np.int32),
-        pool_counts=np.empty(pool, np.int32),
+        pool_counts=np.empty(pool, dtype),
         pool_end=np.zeros(1, np.int64),
     )
 
@@ -115,9 +119,8 @@ def saved_model(model: SparseModel, n_actions: int, prefix: str = "") -> Saved:
 
     An agent with several models gives each a `prefix` for the names of its arrays.
     """
-    offsets = np.zeros(len(model.length) + 1, np.int64)
-    np.cumsum(model.length, out=offsets[1:])
-    places = np.arange(offsets[-1]) + np.repeat(model.first - offsets[:-1], model.length)
+    offsets = np.concatenate([[0], np.cumsum(model.length, dtype=np.int64)])
+    places = _places(model)
     arrays = {
         "visits": model.visits.reshape(-1, n_actions),
         "reward_sums": model.reward_sums.reshape(-1, n_actions),
@@ -128,33 +131,80 @@ def saved_model(model: SparseModel, n_actions: int, prefix: str = "") -> Saved:
     return {prefix + name: array for name, array in arrays.items()}
 
 
+def _places(model: SparseModel) -> Ints:
+    """Where in the pool the successors lie, those of one pair after those of another."""
+    ends = np.cumsum(model.length, dtype=np.int64)
+    places: Ints = np.arange(ends[-1]) + np.repeat(model.first - ends + model.length, model.length)
+    return places
+
+
+def cap(model: SparseModel, most: float) -> None:
+    """Scale what is known of each pair tried more often than `most` to that: a prior of this strength."""
+    share = np.minimum(1.0, most / np.maximum(model.visits, most))
+    model.pool_counts[_places(model)] *= np.repeat(share, model.length)
+    model.visits[:] = np.where(model.visits > most, most, model.visits)
+    model.reward_sums[:] *= share
+
+
+MOST_OF_ONE = 100
+"""As how many visits those of a pair count at most, where several models become one."""
+
+
+def pooled_models(several: Sequence[Saved], strength: float) -> Saved:
+    """Saved models as one: n(s, a) visits count as min(n, 100), all together as `strength` at most.
+
+    So that each has its say where all know much, whoever knows most where few do; weighted counts.
+    """
+    shares = [np.minimum(1.0, MOST_OF_ONE / np.maximum(each["visits"], 1)) for each in several]
+    visits: Table = np.sum([each["visits"] * share for each, share in zip(several, shares, strict=True)], axis=0)
+    scale = np.minimum(1.0, strength / np.maximum(visits, strength))
+    shares = [share * scale for share in shares]
+    rewards = [each["reward_sums"] * share for each, share in zip(several, shares, strict=True)]
+    n_states = len(visits)
+    keys, weight = [], []
+    for each, share in zip(several, shares, strict=True):
+        lengths = np.diff(each["successor_offsets"])
+        keys.append(np.repeat(np.arange(len(lengths)), lengths) * n_states + each["successor_states"])
+        weight.append(each["successor_counts"] * np.repeat(share.ravel(), lengths))
+    found, place = np.unique(np.concatenate(keys), return_inverse=True)
+    lengths = np.bincount(found // n_states, minlength=visits.size)
+    return {
+        "visits": visits * scale,
+        "reward_sums": np.sum(rewards, axis=0),
+        "successor_offsets": np.concatenate([[0], np.cumsum(lengths, dtype=np.int64)]),
+        "successor_states": (found % n_states).astype(np.int32),
+        "successor_counts": np.bincount(place, np.concatenate(weight), len(found)),
+    }
+
+
 def model_arrays(saved: Saved, prefix: str = "") -> Saved:
     """Those of an agent's arrays that are one model's, by their names without its `prefix`."""
     return {name: saved[prefix + name] for name in ARRAYS}
 
 
-def declared_model(setting: Setting, prefix: str = "") -> dict[str, Declared]:
+def declared_model(setting: Setting, prefix: str = "", *, weighted: bool = False) -> dict[str, Declared]:
     """What each array is that `saved_model` gives."""
+    of_times = weights if weighted else counts
     states, actions = setting.n_states, setting.n_actions
     most = states * actions * states
     declared = {
-        "visits": counts(states, actions),
+        "visits": of_times(states, actions),
         "reward_sums": floats(states, actions),
         "successor_offsets": counts(states * actions + 1, high=most, dtype="<i8"),
         "successor_states": counts(None, high=states - 1),
-        "successor_counts": counts(None, low=1),
+        "successor_counts": weights(None) if weighted else counts(None, low=1),
     }
     return {prefix + name: array for name, array in declared.items()}
 
 
-def restored_model(setting: Setting, saved: Saved, prefix: str = "") -> SparseModel:
-    """The model that `saved_model` gave, with room for `setting.steps` further visits."""
+def restored_model(setting: Setting, saved: Saved, prefix: str = "", *, weighted: bool = False) -> SparseModel:
+    """The model that `saved_model` gave, with room for `setting.steps` further visits; `weighted` also from counts."""
     saved = model_arrays(saved, prefix)
     states, offsets = saved["successor_states"], saved["successor_offsets"]
     visits, reward_sums = saved["visits"].ravel(), saved["reward_sums"].ravel()
     lengths = np.diff(offsets).astype(np.int32)
     # each pair starts with just the room that it fills, and then doubles it as it would have
-    model = empty_model(setting._replace(steps=setting.steps + 2 * len(states)))
+    model = empty_model(setting._replace(steps=setting.steps + 2 * len(states)), weighted=weighted)
     model.visits[:] = visits
     model.reward_sums[:] = reward_sums
     np.divide(reward_sums, visits, out=model.mean_rewards, where=visits > 0)

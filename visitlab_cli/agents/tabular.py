@@ -64,9 +64,18 @@ class TabularParameters(AgentParameters):
             return record._replace(inner=super().planning_every(record.inner, steps))
         return super().planning_every(record, steps)
 
+    def meet(self, record: Any, human: int) -> None:
+        """It is the record that learns which is told."""
+        self._meet(self.learning(record), human)
+
+    @staticmethod
+    def learning(record: Any) -> Any:
+        """The record that has the tables."""
+        return record.inner if isinstance(record, Symmetric) else record
+
     def forget_rewards(self, record: Any) -> None:
         """Of the record that learns."""
-        self._forget_rewards(record.inner if isinstance(record, Symmetric) else record)
+        self._forget_rewards(self.learning(record))
 
     @abstractmethod
     def _create(self, setting: Setting) -> Any: ...
@@ -86,6 +95,9 @@ class TabularParameters(AgentParameters):
 
     def _forget_rewards(self, record: Any) -> None:
         """Nothing, of one that does not plan."""
+
+    def _meet(self, record: Any, human: int) -> None:
+        """To one that finds out by itself it is nothing."""
 
 
 def _inner(setting: Setting) -> Setting:

@@ -16,7 +16,7 @@ from visitlab_cli.world.columns import DOORS, ENGAGEMENT, MODULES
 from visitlab_cli.world.columns import PHASES as PHASES_PART
 from visitlab_cli.world.lab import Lab
 from visitlab_cli.world.sight import Doors, Walls
-from visitlab_cli.world.tasks import TASKS, Task
+from visitlab_cli.world.tasks import SOCIAL, TASKS, Task
 
 
 class Site(NamedTuple):
@@ -187,7 +187,16 @@ class Experiment(Settings):
         """The same with so many trials and no phases."""
         raise NotImplementedError
 
-    def with_social(self, social: str) -> Self:
+    @property
+    def pooled(self) -> bool:
+        """Whether its agent begins with what several trainings have learned."""
+        return False
+
+    def with_any_agent(self) -> Self:
+        """What visits share that differ in whose social module plays: the same with `*` for its agent."""
+        return self
+
+    def with_social(self, social: Any) -> Self:
         """The same with another social module, where it has one."""
         return self
 
@@ -227,6 +236,10 @@ class Experiment(Settings):
     def parameters_of(self, agent: AgentParameters) -> AgentParameters:
         """The parameters with which an agent plays here."""
         return agent
+
+    def begun_with(self, agent: AgentParameters, setting: Setting, saved: Mapping[str, Saved]) -> Saved:
+        """The arrays that the agent goes on from here, of those of the modules of `starts`."""
+        return saved[SOCIAL]
 
     def restored(self, agent: AgentParameters, setting: Setting, saved: Saved) -> Any:
         """The record of an agent that goes on here from what it saved."""

@@ -11,13 +11,15 @@ from visitlab_cli.config.labs import MapError
 from visitlab_cli.config.model import Config
 from visitlab_cli.config.names import MODULE_PATTERN, MODULE_RULE, NAME_RULE
 from visitlab_cli.kinds import KIND, UNSAID
-from visitlab_cli.settings import key_of, keys_of
+from visitlab_cli.settings import SOME, WORD, key_of, keys_of
 from visitlab_cli.wording import MEANT, or_else, shown
 from visitlab_cli.yaml.problems import Issue, Path
 
 EXTRA_KEYS: dict[str, tuple[str, ...]] = {"": ("include",), "humans": ("like",), "labs": ("like",), "agents": ("like",)}
 """Keys that are resolved before validation."""
 
+TAGS = (WORD, SOME)
+"""Of what may be a word or a mapping."""
 OF_OTHERS = "; for one of somebody else's install its package, or name its file by --plugin"
 _BOUNDS = {
     "greater_than_equal": ("at least", "ge"),
@@ -111,10 +113,10 @@ def _wrong_tag(error: ErrorDetails, path: Path) -> Issue:
 
 
 def _without_tags(loc: Path, config: type[Config]) -> Path:
-    """Pydantic puts the tag of a union after the entry's name; the YAML has no such level."""
+    """Pydantic puts the tag of a union after the name of what may be of several forms; the YAML has no such level."""
     if loc and loc[0] in _tagged_sections(config) and loc[2:] != ("[key]",):
-        return loc[:2] + loc[3:]
-    return loc[:2] + loc[3:] if loc[:2] == ("record", "steps") else loc
+        loc = loc[:2] + loc[3:]
+    return tuple(part for part in loc if part not in TAGS)
 
 
 def _known_keys(loc: Path, config: type[Config]) -> Iterator[str]:

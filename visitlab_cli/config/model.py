@@ -10,7 +10,7 @@ from visitlab_cli.config.experiments import AnyExperiment
 from visitlab_cli.config.labs import AnyLab
 from visitlab_cli.config.names import LOG_ENDING, RESERVED_EXPERIMENTS, RESERVED_RUNS, Name
 from visitlab_cli.humans.registry import AnyHuman
-from visitlab_cli.settings import Settings, since
+from visitlab_cli.settings import SOME, WORD, Settings, since
 from visitlab_cli.world.geometry import DISTANCES
 
 
@@ -63,11 +63,11 @@ class OneTrialIn(Settings):
 
 
 def _which_steps(steps: Any) -> str:
-    return "<some>" if isinstance(steps, dict | OneTrialIn) else "<word>"
+    return SOME if isinstance(steps, dict | OneTrialIn) else WORD
 
 
 Steps = Annotated[
-    Annotated[Literal["every", "none"], Tag("<word>")] | Annotated[OneTrialIn, Tag("<some>")],
+    Annotated[Literal["every", "none"], Tag(WORD)] | Annotated[OneTrialIn, Tag(SOME)],
     Discriminator(_which_steps),
 ]
 

@@ -4,6 +4,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from visitlab_cli.agents.base import AgentParameters
+from visitlab_cli.agents.registry import KINDS
 from visitlab_cli.config.controller import FARTHEST
 from visitlab_cli.config.experiments import SocialTraining
 from visitlab_cli.config.hidden import wrong_belief
@@ -11,7 +12,7 @@ from visitlab_cli.config.labs import LabSettings
 from visitlab_cli.config.names import module
 from visitlab_cli.config.phases import PHASES, wrong_phases
 from visitlab_cli.config.places import lab_issues, place_issues
-from visitlab_cli.config.visits import MODULE_TASKS, Visit
+from visitlab_cli.config.visits import Pool, Visit
 from visitlab_cli.humans.base import HumanParameters
 from visitlab_cli.settings import key_of
 from visitlab_cli.simulation.controller import LEAD, MASK, PLAN
@@ -135,18 +136,39 @@ def _can_play(name: str, task: str, declared: Declared) -> Iterator[str]:
 
 
 def _visit(path: Path, visit: Visit, declared: Declared) -> Iterator[Issue]:
-    for task in MODULE_TASKS:
-        for message in _module(task, getattr(visit.modules, task), declared):
-            yield Issue((*path, "modules", task), message)
-    name = module(visit.modules.social).agent
+    pool = visit.modules.pool
+    for role, text in visit.modules.by_role.items():
+        steers = role in visit.steering
+        place: Path = (SOCIAL, "pool", pool.pool.index(text)) if pool and not steers else (role,)
+        for message in _module(role if steers else SOCIAL, text, declared):
+            yield Issue((*path, "modules", *place), message)
+    name = visit.starts[SOCIAL].agent
     social = declared.agents.get(name)
     for message in _can_play(name, VISIT, declared):
         yield Issue((*path, "modules", SOCIAL), message)
+    if pool and social is not None:
+        yield from _pool((*path, "modules", SOCIAL, "pool"), pool, social, declared)
     for option in Visit.planning_options:
         if social is not None and not social.plans and option in visit.model_fields_set:
             message = f"means nothing here: the social module's agent, {name}, does not plan; leave it out"
             yield Issue((*path, option), message, at="key")
     yield from _controller(path, visit, social, declared)
+
+
+def _pool(path: Path, pool: Pool, first: AgentParameters, declared: Declared) -> Iterator[Issue]:
+    """Why what several agents have learned can't become one; the agent of the first plays."""
+    if not first.pools:
+        can = " or ".join(kind for kind, agent in KINDS.items() if agent.pools)
+        yield Issue((*path, 0), f"an agent of kind {_kind(first)} can't be put together of several; one of {can} can")
+    named = module(pool.pool[0]).agent
+    for index, text in enumerate(pool.pool):
+        other = declared.agents.get(module(text).agent)
+        if other is None:
+            continue
+        if _kind(other) != _kind(first):
+            yield Issue((*path, index), f"is of kind {_kind(other)}, {named} of kind {_kind(first)}; a pool is of one")
+        elif why := first.goes_on_from(other):
+            yield Issue((*path, index), f"{named} and {module(text).agent} can't be one: {why}")
 
 
 def _controller(path: Path, visit: Visit, social: AgentParameters | None, declared: Declared) -> Iterator[Issue]:

@@ -3,19 +3,19 @@
 from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal, Self
 
-from pydantic import BeforeValidator, Field, WithJsonSchema
+from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag, WithJsonSchema
 
 from visitlab_cli.agents.base import AgentParameters, Saved, Setting
-from visitlab_cli.agents.declared import Declared
+from visitlab_cli.agents.declared import LARGEST, Declared
 from visitlab_cli.config.controller import Controller, options_of
 from visitlab_cli.config.experiment import Experiment, InLab, Site
 from visitlab_cli.config.goal_rooms import ALL, GoalRooms, numbered
 from visitlab_cli.config.hidden import LEVELS, HiddenEngagement
 from visitlab_cli.config.labs import LabSettings
-from visitlab_cli.config.names import Module, ModuleName, Names, module
+from visitlab_cli.config.names import Module, ModuleName, Names, distinct, module
 from visitlab_cli.config.phases import VisitPhases
 from visitlab_cli.errors import ConfigError
-from visitlab_cli.settings import Settings, since
+from visitlab_cli.settings import SOME, WORD, Settings, since
 from visitlab_cli.simulation.controller import LEAD, PLAN, make_planned
 from visitlab_cli.simulation.estimates import RECENT
 from visitlab_cli.simulation.visit import Visit as VisitTask
@@ -26,8 +26,6 @@ from visitlab_cli.world.lab import goals_of
 from visitlab_cli.world.task import VISIT_TRIAL_STEPS
 from visitlab_cli.world.tasks import GO_TO_HUMAN, NAVIGATION, SOCIAL
 from visitlab_cli.world.visit import VisitWorld, make_visit_world
-
-MODULE_TASKS = (NAVIGATION, GO_TO_HUMAN, SOCIAL)
 
 
 def _learns(given: Any) -> Any:
@@ -44,12 +42,45 @@ Learns = Annotated[
 ]
 
 
+class Pool(Settings):
+    """A social module that begins with what several trainings have learned, as one: what humans have in common."""
+
+    pool: Annotated[
+        tuple[ModuleName, ...], Field(min_length=2, json_schema_extra={"uniqueItems": True}), AfterValidator(distinct)
+    ] = Field(description="the trainings, experiment/agent/human, whose agents are of one kind; the same seed of each")
+    prior_strength: float = Field(
+        default=20, gt=0, le=LARGEST, description="as how many visits to a pair what they know of it counts, at most"
+    )
+
+
+def _form_of_social(given: Any) -> str:
+    return SOME if isinstance(given, Mapping | Pool) else WORD
+
+
+SocialModule = Annotated[Annotated[ModuleName, Tag(WORD)] | Annotated[Pool, Tag(SOME)], Discriminator(_form_of_social)]
+
+
 class Modules(Settings):
     """The three trained modules that make a visit, each `experiment/agent` or `experiment/agent/human`."""
 
     navigation: ModuleName = Field(description="the navigation module, which says where the human should go")
     go_to_human: ModuleName = Field(description="the module that brings the robot in front of the human")
-    social: ModuleName = Field(description="the social module, which decides and goes on learning")
+    social: SocialModule = Field(
+        description="the social module, which decides and goes on learning; or {pool: [...], prior_strength: 20}, "
+        "several as one"
+    )
+
+    @property
+    def pool(self) -> Pool | None:
+        """The pool, where the social module is one."""
+        return self.social if isinstance(self.social, Pool) else None
+
+    @property
+    def by_role(self) -> dict[str, str]:
+        """Their names by the module's task; further ones of a pool by `social 2` and so on."""
+        social = (self.social,) if isinstance(self.social, str) else self.social.pool
+        further = {f"{SOCIAL} {number}": name for number, name in enumerate(social[1:], 2)}
+        return {NAVIGATION: self.navigation, GO_TO_HUMAN: self.go_to_human, SOCIAL: social[0], **further}
 
 
 class Visit(InLab, HiddenEngagement):
@@ -152,7 +183,7 @@ class Visit(InLab, HiddenEngagement):
     @property
     def starts(self) -> dict[str, Module]:
         """The three modules."""
-        return {task: module(getattr(self.modules, task)) for task in MODULE_TASKS}
+        return {role: module(name) for role, name in self.modules.by_role.items()}
 
     @property
     def steering(self) -> tuple[str, ...]:
@@ -174,7 +205,20 @@ class Visit(InLab, HiddenEngagement):
         """So many trials."""
         return self.model_copy(update={"trials": trials, "phases": ()})
 
-    def with_social(self, social: str) -> Self:
+    @property
+    def pooled(self) -> bool:
+        """As declared."""
+        return self.modules.pool is not None
+
+    def with_any_agent(self) -> Self:
+        """Of its social module, or of all of a pool."""
+        social = self.modules.social
+        if isinstance(social, str):
+            return self.with_social(module(social)._replace(agent="*").text)
+        names = tuple(module(name)._replace(agent="*").text for name in social.pool)
+        return self.with_social(social.model_copy(update={"pool": names}))
+
+    def with_social(self, social: str | Pool) -> Self:
         """With another social module."""
         return self.model_copy(update={"modules": self.modules.model_copy(update={"social": social})})
 
@@ -186,11 +230,16 @@ class Visit(InLab, HiddenEngagement):
         return (*super().idle(agents), *untold, *self.unsaid_of_engagement, *(() if plans else self.planning_options))
 
     def with_whole_modules(self, experiments: Mapping[str, Experiment]) -> Self:
-        """With the human that the social module was trained with."""
-        social = self.starts[SOCIAL]
-        if social.human is not None:
-            return self
-        return self.with_social(f"{self.modules.social}/{experiments[social.experiment].met[0]}")
+        """With the human that each social module was trained with."""
+
+        def whole(name: str) -> str:
+            named = module(name)
+            return name if named.human is not None else f"{name}/{experiments[named.experiment].met[0]}"
+
+        social = self.modules.social
+        if isinstance(social, str):
+            return self.with_social(whole(social))
+        return self.with_social(social.model_copy(update={"pool": tuple(map(whole, social.pool))}))
 
     def in_labs(self, labs: Mapping[str, LabSettings]) -> Self:
         """With the numbers of its goal rooms; in a lab other than the paper's all of them are told as `all`."""
@@ -243,11 +292,21 @@ class Visit(InLab, HiddenEngagement):
 
     def parameters_of(self, agent: AgentParameters) -> AgentParameters:
         """Those of the social module, which plans as often as the visit says."""
-        return agent.model_copy(update={"plan_every": self.plan_every}) if agent.plans else agent
+        taking = agent.taking_in_a_pool() if self.modules.pool else agent
+        return taking.model_copy(update={"plan_every": self.plan_every}) if agent.plans else taking
+
+    def begun_with(self, agent: AgentParameters, setting: Setting, saved: Mapping[str, Saved]) -> Saved:
+        """Those of the social module, or of its pool as one; what was believed of a human is the first one's."""
+        pool = self.modules.pool
+        if pool is None:
+            return saved[SOCIAL]
+        several = [saved[role] for role in self.starts if role not in self.steering]
+        return {**saved[SOCIAL], **agent.pooled(setting, several, pool.prior_strength)}
 
     def restored(self, agent: AgentParameters, setting: Setting, saved: Saved) -> Any:
-        """The social module, which may begin with no rewards to plan with."""
+        """The social module, which meets somebody new and may begin with no rewards to plan with."""
         record = agent.restore(setting, saved)
+        agent.meet(record, 0)
         if self.planner_rewards == "restart":
             agent.forget_rewards(record)
         return record

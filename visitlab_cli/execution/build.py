@@ -1,6 +1,7 @@
 """The one place where a config becomes the arrays and numbers that kernels take."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,7 +12,7 @@ from visitlab_cli.errors import RunError
 from visitlab_cli.plan.cells import Cell
 from visitlab_cli.plan.saved import setting_of
 from visitlab_cli.world.lab import ALL_OPEN, Lab, open_at_first
-from visitlab_cli.world.tasks import SOCIAL, TASKS
+from visitlab_cli.world.tasks import SOCIAL
 
 
 class Stretch(NamedTuple):
@@ -24,6 +25,8 @@ class Stretch(NamedTuple):
     agent: Any
     until: int
     open_doors: int = ALL_OPEN
+    begin: Callable[[], None] | None = None
+    """Tells the agent that another human comes with it."""
 
 
 class Simulation(NamedTuple):
@@ -54,8 +57,8 @@ def build(cell: Cell, models: Mapping[str, Saved]) -> Simulation:
     settings, config = cell.settings.frozen() if cell.frozen else cell.settings, cell.config
     lab = lab_of(settings)
     tables, learned = {}, {}
-    for module in cell.modules:
-        of_module, expected = config.agents[settings.starts[module].agent], tuple(TASKS[module].size(lab))
+    for module, start in settings.starts.items():
+        of_module, expected = config.agents[start.agent], tuple(config.experiments[start.experiment].plays.size(lab))
         if module in settings.steering:
             tables[module] = np.ascontiguousarray(of_module.values(models[module]), np.float64)
             learned[module] = next(iter(of_module.models(models[module]).values()), {})
@@ -70,26 +73,30 @@ def build(cell: Cell, models: Mapping[str, Saved]) -> Simulation:
         kept = models.get(SOCIAL, {})
         task = settings.task_in(Site(place, human, config.interaction.distances, tables, learned, declared, kept))
         tasks[name, place] = settings.going_on(next(iter(tasks.values())), task) if tasks else task
-    learner = settings.parameters_of(config.agents[cell.agent])
-    parameters: Player = cell.player if cell.frozen else learner
+    learner, parameters = cell.learner, cell.player
     setting = setting_of(cell)
+    saved = settings.begun_with(learner, setting, models) if cell.modules else {}
     agent: Any
     if cell.frozen:
-        agent = parameters.restore(setting, models[SOCIAL])
+        agent = parameters.restore(setting, saved)
     elif cell.modules:
-        agent = settings.restored(learner, setting, models[SOCIAL])
+        agent = settings.restored(learner, setting, saved)
     else:
         agent = learner.create(setting)
     if not settings.phases:
         (task,) = tasks.values()
         return Simulation([Stretch(task, agent, settings.n_steps)], parameters, settings.n_trials, settings)
-    stretches, until = [], 0
+    numbers = {human: number for number, human in enumerate(cell.humans)}
+    stretches, until, met = [], 0, settings.phases[0].met
     for phase, trials in zip(settings.phases, settings.phase_trials, strict=True):
         until += trials * settings.trial_steps
         replans = phase.plan_every is not None and learner.plans and not cell.frozen
         player = learner.planning_every(agent, phase.plan_every) if replans else agent
         place = settings.lab_in(phase)
-        stretches.append(Stretch(tasks[phase.met, place], player, until, open_at_first(place)))
+        another = phase.met != met and not cell.frozen
+        begin = partial(learner.meet, agent, numbers[phase.met]) if another else None
+        stretches.append(Stretch(tasks[phase.met, place], player, until, open_at_first(place), begin))
+        met = phase.met
     return Simulation(stretches, parameters, settings.n_trials, settings)
 
 

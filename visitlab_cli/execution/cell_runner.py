@@ -87,8 +87,10 @@ def simulate(
     columns = empty_columns(BLOCK_ROWS)
     trial_rewards = np.zeros(simulation.trials)
     cursor, seconds, cpu_seconds = START, 0.0, 0.0
-    for number, (task, agent, until, open_doors) in enumerate(simulation.stretches):
+    for number, (task, agent, until, open_doors, begin) in enumerate(simulation.stretches):
         columns.phase[:] = number
+        if begin is not None:
+            begin()
         cursor = cursor._replace(scene=cursor.scene._replace(open_doors=open_doors))
         while cursor.steps < until:
             begun, of_core = time.perf_counter(), time.thread_time()

@@ -21,7 +21,6 @@ from visitlab_cli.plan.cells import Cell
 from visitlab_cli.random_numbers import random_state
 from visitlab_cli.stopping import check_asked, nothing_to_lose
 from visitlab_cli.world.columns import StepColumns
-from visitlab_cli.world.tasks import TASKS
 
 COMPILED = "compiled-"
 SECONDS = 4
@@ -98,7 +97,7 @@ def _told_by_the_cell() -> Iterator[None]:
 
 def _pair(cell: Cell) -> str:
     """A name for what decides the types that the loop is compiled for."""
-    agent = cell.config.agents[cell.agent]
+    agent = cell.learner
     started = bool(cell.modules) and not cell.settings.assembled  # an observer that goes on is of another type
     kinds = [cell.task, cell.settings.played_as, "frozen" if cell.frozen else "", "started" if started else ""]
     agents = [agent, *(cell.config.agents[getattr(agent, other)] for other in agent.references)]
@@ -127,8 +126,8 @@ def _empty_models(cell: Cell) -> dict[str, Saved]:
     """Models of the right types and sizes that have learned nothing."""
     agents, lab = cell.config.agents, lab_of(cell.settings)
     models = {}
-    for module, start in cell.settings.starts.items():
-        task = TASKS[module]
-        setting = Setting(module, *task.size(lab), 1, agents, goals=task.goals(lab))
-        models[module] = agents[start.agent].save(agents[start.agent].create(setting))
+    for role, start in cell.settings.starts.items():
+        task = cell.config.experiments[start.experiment].plays
+        setting = Setting(task.name, *task.size(lab), 1, agents, goals=task.goals(lab))
+        models[role] = agents[start.agent].save(agents[start.agent].create(setting))
     return models

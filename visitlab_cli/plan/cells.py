@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
-from visitlab_cli.agents.base import Player
+from visitlab_cli.agents.base import AgentParameters, Player
 from visitlab_cli.config.canonical import config_hash
 from visitlab_cli.config.experiment import Experiment
 from visitlab_cli.config.grid import variants
@@ -42,10 +42,14 @@ class Cell:
         return self.evaluation.frozen
 
     @property
+    def learner(self) -> AgentParameters:
+        """Its agent's parameters as it plays here."""
+        return self.settings.parameters_of(self.config.agents[self.agent])
+
+    @property
     def player(self) -> Player:
         """Whose arrays it saves: its agent's parameters, or the frozen one's."""
-        agent = self.config.agents[self.agent]
-        return agent.frozen if self.frozen else agent
+        return self.learner.frozen if self.frozen else self.learner
 
     @property
     def absent(self) -> dict[str, str]:

@@ -8,7 +8,6 @@ from typing import NamedTuple
 from visitlab_cli.results.estimates import Estimate, mean_of
 from visitlab_cli.results.groups import Group
 from visitlab_cli.results.seeds import seed_values
-from visitlab_cli.world.tasks import SOCIAL
 
 SCRIPTED = "scripted"
 """The kind of agent."""
@@ -70,5 +69,5 @@ def _others(group: Group) -> Iterator[tuple[str, str]]:
     """The trained modules of a visit beside the social one: their cells' paths without the seed."""
     cell = group.cells[0]
     for task, path in cell.modules.items():
-        if task != SOCIAL:
+        if task in cell.settings.steering:
             yield task, path.rsplit("/", 1)[0]

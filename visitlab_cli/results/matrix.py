@@ -103,7 +103,7 @@ def plan_matrix(config: Config, visit: str, humans: Sequence[str] = (), trials: 
     training = config.experiments[own.experiment]
     planned: Planned = {}
     for trained, met, mode in product(training.met, humans or config.humans, MODES):
-        social = "" if trained == own.human else "/".join((own.experiment, own.agent, trained))
+        social = "" if trained == own.human and not settings.pooled else "/".join((own.experiment, own.agent, trained))
         as_declared = not social and met in settings.met and mode == ADAPTING and trials in (None, settings.n_trials)
         options = AS_DECLARED if as_declared else Evaluation((met,), trials, mode == FROZEN, social)
         cells = plan(config, options)

@@ -18,7 +18,6 @@ from visitlab_cli.results.estimates import Estimate, difference_of, mean_of, pro
 from visitlab_cli.results.groups import Group, Point, groups_of, unit_values
 from visitlab_cli.settings import as_yaml
 from visitlab_cli.wording import or_else
-from visitlab_cli.world.tasks import SOCIAL
 
 AGENT, HUMAN = "agent", "human"
 Values = dict[str, float]
@@ -164,8 +163,7 @@ def _member(run: Path, group: Group, key: str) -> _Member | None:
     where = [word for word, told in ((group.agent, told_of_agent), (group.human, key != HUMAN)) if word and told]
     settings, experiment = group.cells[0].settings, group.experiment
     if key == AGENT and settings.assembled:
-        of_anyone = settings.evaluated(None, settings.starts[SOCIAL]._replace(agent="*").text)
-        experiment = json.dumps(as_yaml(of_anyone.model_copy(update={"humans": ()})))
+        experiment = json.dumps(as_yaml(settings.with_any_agent().model_copy(update={"humans": ()})))
     own = {path for path in point if path == key or _belongs(path, group, key)}
     return _Member(group, value, " ".join([experiment, *where]), where, point, own, reached)
 
