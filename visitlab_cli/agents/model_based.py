@@ -68,7 +68,7 @@ class ModelBasedParameters(OneModelParameters):
 
     prior_strength: float | None = Field(
         default=None,
-        gt=0,
+        ge=1,
         le=LARGEST,
         description="as how many visits to a pair what is known of it counts, at most, when another human comes: at a "
         "visit's start, and where phases change the human; null: as many as there were",
@@ -84,11 +84,11 @@ class ModelBasedParameters(OneModelParameters):
 
     def _create(self, setting: Setting) -> ModelBased:
         """Q of zeros and an empty model."""
-        return self._record(zeros(setting), empty_model(setting, weighted=self.weighted))
+        return self._record(zeros(setting), empty_model(setting, np.float64 if self.weighted else np.int32))
 
     def _restore(self, setting: Setting, saved: Saved) -> ModelBased:
         """Go on with a saved model."""
-        return self._record(saved["q"].copy(), restored_model(setting, saved, weighted=self.weighted))
+        return self._record(saved["q"].copy(), restored_model(setting, saved))
 
     @property
     def weighted(self) -> bool:

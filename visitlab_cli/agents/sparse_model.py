@@ -9,7 +9,7 @@ memory is only spent on what is touched.
 """
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -22,7 +22,7 @@ from visitlab_cli.compiled import kernel, long_kernel
 Ints = npt.NDArray[np.int64]
 Counts = npt.NDArray[np.int32]
 Weights = npt.NDArray[np.int32] | npt.NDArray[np.float64]
-"""Counts, which may be parts of one where some were taken back."""
+"""How often, as whole numbers, or as numbers that fade."""
 
 
 ARRAYS = ("visits", "reward_sums", "successor_offsets", "successor_states", "successor_counts")
@@ -43,21 +43,20 @@ class SparseModel(NamedTuple):
     pool_end: Ints  # shape (1,)
 
 
-def empty_model(setting: Setting, *, weighted: bool = False) -> SparseModel:
-    """A model that has seen nothing, with room for `setting.steps` visits; `weighted`: its counts may be parts."""
-    dtype: Any = np.float64 if weighted else np.int32
+def empty_model(setting: Setting, kind: type[np.generic] = np.int32) -> SparseModel:
+    """A model that has seen nothing, with room for `setting.steps` visits, which are counted in numbers of a kind."""
     pairs = setting.n_states * setting.n_actions
     # a pair with k successors has used rooms of 1 + 2 + ... up to less than 2k, fewer than 4k in all
     pool = 4 * min(setting.steps, pairs * setting.n_states) + 1
     return SparseModel(
-        visits=np.zeros(pairs, dtype),
+        visits=np.zeros(pairs, kind),
         reward_sums=np.zeros(pairs),
         mean_rewards=np.zeros(pairs),
         first=np.zeros(pairs, np.int64),
         room=np.zeros(pairs, np.int32),
         length=np.zeros(pairs, np.int32),
         pool_states=np.empty(pool, np.int32),
-        pool_counts=np.empty(pool, dtype),
+        pool_counts=np.empty(pool, kind),
         pool_end=np.zeros(1, np.int64),
     )
 
@@ -169,7 +168,7 @@ def pooled_models(several: Sequence[Saved], strength: float) -> Saved:
     found, place = np.unique(np.concatenate(keys), return_inverse=True)
     lengths = np.bincount(found // n_states, minlength=visits.size)
     return {
-        "visits": visits * scale,
+        "visits": np.minimum(visits, strength),
         "reward_sums": np.sum(rewards, axis=0),
         "successor_offsets": np.concatenate([[0], np.cumsum(lengths, dtype=np.int64)]),
         "successor_states": (found % n_states).astype(np.int32),
@@ -197,14 +196,14 @@ def declared_model(setting: Setting, prefix: str = "", *, weighted: bool = False
     return {prefix + name: array for name, array in declared.items()}
 
 
-def restored_model(setting: Setting, saved: Saved, prefix: str = "", *, weighted: bool = False) -> SparseModel:
-    """The model that `saved_model` gave, with room for `setting.steps` further visits; `weighted` also from counts."""
+def restored_model(setting: Setting, saved: Saved, prefix: str = "") -> SparseModel:
+    """The model that `saved_model` gave, with room for `setting.steps` further visits."""
     saved = model_arrays(saved, prefix)
     states, offsets = saved["successor_states"], saved["successor_offsets"]
     visits, reward_sums = saved["visits"].ravel(), saved["reward_sums"].ravel()
     lengths = np.diff(offsets).astype(np.int32)
     # each pair starts with just the room that it fills, and then doubles it as it would have
-    model = empty_model(setting._replace(steps=setting.steps + 2 * len(states)), weighted=weighted)
+    model = empty_model(setting._replace(steps=setting.steps + 2 * len(states)), saved["visits"].dtype.type)
     model.visits[:] = visits
     model.reward_sums[:] = reward_sums
     np.divide(reward_sums, visits, out=model.mean_rewards, where=visits > 0)

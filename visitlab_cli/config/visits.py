@@ -49,7 +49,7 @@ class Pool(Settings):
         tuple[ModuleName, ...], Field(min_length=2, json_schema_extra={"uniqueItems": True}), AfterValidator(distinct)
     ] = Field(description="the trainings, experiment/agent/human, whose agents are of one kind; the same seed of each")
     prior_strength: float = Field(
-        default=20, gt=0, le=LARGEST, description="as how many visits to a pair what they know of it counts, at most"
+        default=20, ge=1, le=LARGEST, description="as how many visits to a pair what they know of it counts, at most"
     )
 
 
