@@ -61,9 +61,10 @@ def fault_in_model(arrays: Mapping[str, npt.NDArray[Any]]) -> str | None:
     if (np.diff(offsets) < 0).any():
         return "successor_offsets decreases"
     some = np.diff(offsets) > 0
-    sums = np.zeros(len(some), np.int64)
+    whole = seen.dtype.kind == "i"
+    sums = np.zeros(len(some), np.int64 if whole else np.float64)
     if some.any():
-        sums[some] = np.add.reduceat(seen, offsets[:-1][some], dtype=np.int64)
-    if (sums != arrays["visits"].ravel()).any():
+        sums[some] = np.add.reduceat(seen, offsets[:-1][some], dtype=sums.dtype)
+    if not np.allclose(sums, arrays["visits"].ravel(), rtol=0.0 if whole else 1e-6, atol=0.0):
         return "successor_counts do not sum to visits"
     return None

@@ -1,25 +1,20 @@
 """Epsilon-greedy value iteration, the paper's model-based agent: a learned model, swept every `plan_every` steps."""
 
 from collections.abc import Mapping
-from typing import ClassVar, Literal, NamedTuple, Self
+from typing import ClassVar, Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from pydantic import Field, model_validator
 
 from visitlab_cli.agents.base import (
     CHOOSE,
     CHOOSE_AS,
-    EPSILON,
-    GAMMA,
     LEARN,
-    PLAN_EVERY,
     Saved,
     Setting,
     zeros,
 )
 from visitlab_cli.agents.exploration import Table, epsilon_greedy, epsilon_greedy_as
-from visitlab_cli.agents.one_model import OneModelParameters
 from visitlab_cli.agents.sparse_model import (
     SparseModel,
     count,
@@ -27,6 +22,7 @@ from visitlab_cli.agents.sparse_model import (
     restored_model,
     sweep,
 )
+from visitlab_cli.agents.swept import SweptParameters
 from visitlab_cli.random_numbers import RandomState
 from visitlab_cli.world.tasks import GO_TO_HUMAN, NAVIGATION, SOCIAL, VISIT
 
@@ -43,25 +39,12 @@ class ModelBased(NamedTuple):
     fill_unvisited: bool
 
 
-class ModelBasedParameters(OneModelParameters):
+class ModelBasedParameters(SweptParameters):
     """Epsilon-greedy value iteration (paper, section 4.2)."""
 
     takes_masks: ClassVar[bool] = True
     microseconds_a_step: ClassVar[Mapping[str, float]] = {NAVIGATION: 2.5, GO_TO_HUMAN: 1.3, SOCIAL: 5.3, VISIT: 22.0}
     kind: Literal["model_based"]
-    gamma: float = GAMMA
-    epsilon: float = EPSILON
-    plan_every: int = PLAN_EVERY
-    unvisited: Literal["uniform", "zero"] = Field(
-        default="uniform",
-        description="the model of a pair never tried: no reward and any state next, or a value of zero",
-    )
-
-    @model_validator(mode="after")
-    def _symmetric_zero(self) -> Self:
-        if self.symmetric and self.unvisited == "uniform":
-            raise ValueError("symmetric goes with unvisited: zero only; uniform is over states of which it has no rows")
-        return self
 
     def _create(self, setting: Setting) -> ModelBased:
         """Q of zeros and an empty model."""
@@ -71,15 +54,9 @@ class ModelBasedParameters(OneModelParameters):
         """Go on with a saved model."""
         return self._record(saved["q"].copy(), restored_model(setting, saved))
 
-    def updates_a_step(self, setting: Setting, saved: Saved) -> float:
-        """All pairs in a sweep, or those that were tried."""
-        pairs = np.size(saved["visits"]) if self.unvisited == "uniform" else np.count_nonzero(saved["visits"])
-        return float(pairs) / self.plan_every
-
     def _record(self, q: Table, model: SparseModel) -> ModelBased:
         gamma, epsilon = float(self.gamma), float(self.epsilon)
-        fill = self.unvisited == "uniform"
-        return ModelBased(q, np.zeros(len(q)), model, gamma, epsilon, self.plan_every, fill)
+        return ModelBased(q, np.zeros(len(q)), model, gamma, epsilon, self.plan_every, self.fills)
 
 
 @CHOOSE.of(ModelBased)

@@ -20,6 +20,8 @@ from visitlab_cli.compiled import kernel, long_kernel
 
 Ints = npt.NDArray[np.int64]
 Counts = npt.NDArray[np.int32]
+Weights = npt.NDArray[np.int32] | npt.NDArray[np.float64]
+"""How often, as whole numbers, or as numbers that fade."""
 
 
 ARRAYS = ("visits", "reward_sums", "successor_offsets", "successor_states", "successor_counts")
@@ -29,31 +31,31 @@ ARRAYS = ("visits", "reward_sums", "successor_offsets", "successor_states", "suc
 class SparseModel(NamedTuple):
     """Counts and rewards of every (state, action) pair; arrays over pairs have shape (states * actions,)."""
 
-    visits: Counts  # n(s, a)
+    visits: Weights  # n(s, a)
     reward_sums: Table
     mean_rewards: Table  # the R that sweeps use
     first: Ints  # where a pair's successors begin in the pool
     room: Counts  # how many of them fit there
     length: Counts  # how many there are
     pool_states: Counts
-    pool_counts: Counts
+    pool_counts: Weights
     pool_end: Ints  # shape (1,)
 
 
-def empty_model(setting: Setting) -> SparseModel:
-    """A model that has seen nothing, with room for `setting.steps` visits."""
+def empty_model(setting: Setting, kind: type[np.generic] = np.int32) -> SparseModel:
+    """A model that has seen nothing, with room for `setting.steps` visits, which are counted in numbers of a kind."""
     pairs = setting.n_states * setting.n_actions
     # a pair with k successors has used rooms of 1 + 2 + ... up to less than 2k, fewer than 4k in all
     pool = 4 * min(setting.steps, pairs * setting.n_states) + 1
     return SparseModel(
-        visits=np.zeros(pairs, np.int32),
+        visits=np.zeros(pairs, kind),
         reward_sums=np.zeros(pairs),
         mean_rewards=np.zeros(pairs),
         first=np.zeros(pairs, np.int64),
         room=np.zeros(pairs, np.int32),
         length=np.zeros(pairs, np.int32),
         pool_states=np.empty(pool, np.int32),
-        pool_counts=np.empty(pool, np.int32),
+        pool_counts=np.empty(pool, kind),
         pool_end=np.zeros(1, np.int64),
     )
 
@@ -81,6 +83,25 @@ def count(model: SparseModel, pair: int, reward: float, next_state: int) -> None
     model.pool_states[first + length] = next_state
     model.pool_counts[first + length] = 1
     model.length[pair] = length + 1
+
+
+@kernel
+def uncount(model: SparseModel, pair: int, reward: float, next_state: int) -> None:
+    """Take one transition of `pair` that was counted from the model; a successor that is left with none leaves its row.
+
+    R stays as it was until the pair is next counted.
+    """
+    model.visits[pair] -= 1
+    model.reward_sums[pair] -= reward
+    first, last = model.first[pair], model.first[pair] + model.length[pair] - 1
+    for place in range(first, last + 1):
+        if model.pool_states[place] == next_state:
+            model.pool_counts[place] -= 1
+            if model.pool_counts[place] == 0:
+                model.pool_states[place] = model.pool_states[last]
+                model.pool_counts[place] = model.pool_counts[last]
+                model.length[pair] -= 1
+            return
 
 
 @long_kernel
@@ -154,7 +175,7 @@ def restored_model(setting: Setting, saved: Saved, prefix: str = "") -> SparseMo
     visits, reward_sums = saved["visits"].ravel(), saved["reward_sums"].ravel()
     lengths = np.diff(offsets).astype(np.int32)
     # each pair starts with just the room that it fills, and then doubles it as it would have
-    model = empty_model(setting._replace(steps=setting.steps + 2 * len(states)))
+    model = empty_model(setting._replace(steps=setting.steps + 2 * len(states)), saved["visits"].dtype.type)
     model.visits[:] = visits
     model.reward_sums[:] = reward_sums
     np.divide(reward_sums, visits, out=model.mean_rewards, where=visits > 0)
