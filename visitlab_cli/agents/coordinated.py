@@ -92,15 +92,16 @@ class CoordinatedParameters(SweptParameters):
 
     def _record(self, *learned: Any) -> Coordinated:
         *tables, model = learned
-        numbers = (float(each) for each in (self.gamma, self.epsilon, self.learning_rate, self.threshold, self.rate))
-        return Coordinated(*tables, np.zeros(len(tables[0])), model, *numbers, self.plan_every, self.fills)
+        rates = float(self.learning_rate), float(self.threshold), float(self.rate)
+        learner = float(self.gamma), float(self.epsilon), *rates, self.plan_every, self.fills
+        return Coordinated._make((*tables, np.zeros(len(tables[0])), model, *learner))
 
 
 @kernel
 def agrees(q: Table, q_free: Table) -> bool:
     """Whether the first of the best actions is the same by both, shape (actions,), and worth something model-free."""
     best = np.argmax(q_free)
-    return q_free[best] > 0.0 and best == np.argmax(q)
+    return bool(q_free[best] > 0.0 and best == np.argmax(q))
 
 
 @CHOOSE.of(Coordinated)
