@@ -86,6 +86,25 @@ def count(model: SparseModel, pair: int, reward: float, next_state: int) -> None
     model.length[pair] = length + 1
 
 
+@kernel
+def uncount(model: SparseModel, pair: int, reward: float, next_state: int) -> None:
+    """Take one transition of `pair` that was counted from the model; a successor that is left with none leaves its row.
+
+    R stays as it was until the pair is next counted.
+    """
+    model.visits[pair] -= 1
+    model.reward_sums[pair] -= reward
+    first, last = model.first[pair], model.first[pair] + model.length[pair] - 1
+    for place in range(first, last + 1):
+        if model.pool_states[place] == next_state:
+            model.pool_counts[place] -= 1
+            if model.pool_counts[place] == 0:
+                model.pool_states[place] = model.pool_states[last]
+                model.pool_counts[place] = model.pool_counts[last]
+                model.length[pair] -= 1
+            return
+
+
 @long_kernel
 def sweep(model: SparseModel, q: Table, values: Table, gamma: float, known: int, fill_unvisited: bool) -> None:
     """One synchronous sweep over all pairs visited at least `known` times, changing `q`, shape (states, actions).

@@ -112,11 +112,18 @@ def unfolded(inner: Saved) -> Saved:
             outer[name] = array[now.state[:, None], now.action]
         elif array.ndim == 2:
             outer[name] = _spread(array, (N_STATES, *array.shape[1:]))
-    if "successor_offsets" in inner:
-        lengths = _spread(np.diff(inner["successor_offsets"]).reshape(len(now.kept), -1), now.action.shape)
-        outer["successor_offsets"] = _offsets(lengths, inner["successor_offsets"].dtype)
-        outer["successor_states"] = now.kept[inner["successor_states"]].astype(inner["successor_states"].dtype)
+    for name in _rows(inner):
+        offsets, states = inner[f"{name}_offsets"], inner[f"{name}_states"]
+        outer[f"{name}_offsets"] = _offsets(
+            _spread(np.diff(offsets).reshape(len(now.kept), -1), now.action.shape), offsets.dtype
+        )
+        outer[f"{name}_states"] = now.kept[states].astype(states.dtype)
     return outer
+
+
+def _rows(saved: Saved) -> list[str]:
+    """The names of the compressed rows of states that a pair was followed by."""
+    return [name.removesuffix("_offsets") for name in saved if name.endswith("_offsets")]
 
 
 def _spread(rows: npt.NDArray[np.generic], shape: tuple[int, ...]) -> npt.NDArray[np.generic]:
@@ -133,10 +140,10 @@ def folded(outer: Saved) -> Saved:
     """The inner agent's arrays again, of what `unfolded` gave."""
     now = fold()
     inner = {name: array[now.kept] if array.ndim == 2 else array for name, array in outer.items()}
-    if "successor_offsets" in outer:
-        lengths = np.diff(outer["successor_offsets"]).reshape(N_STATES, -1)[now.kept]
-        inner["successor_offsets"] = _offsets(lengths, outer["successor_offsets"].dtype)
-        inner["successor_states"] = now.state[outer["successor_states"]].astype(outer["successor_states"].dtype)
+    for name in _rows(outer):
+        offsets, states = outer[f"{name}_offsets"], outer[f"{name}_states"]
+        inner[f"{name}_offsets"] = _offsets(np.diff(offsets).reshape(N_STATES, -1)[now.kept], offsets.dtype)
+        inner[f"{name}_states"] = now.state[states].astype(states.dtype)
     return inner
 
 
