@@ -67,10 +67,16 @@ def count(model: SparseModel, pair: int, reward: float, next_state: int) -> None
     model.visits[pair] += 1
     model.reward_sums[pair] += reward
     model.mean_rewards[pair] = model.reward_sums[pair] / model.visits[pair]
+    follow(model, pair, next_state, 1)
+
+
+@kernel
+def follow(model: SparseModel, pair: int, next_state: int, times: float) -> None:
+    """Add to how often `pair` was followed by a state, and to nothing else."""
     first, length = model.first[pair], model.length[pair]
     for place in range(first, first + length):
         if model.pool_states[place] == next_state:
-            model.pool_counts[place] += 1
+            model.pool_counts[place] += times
             return
     if length == model.room[pair]:
         room = max(1, 2 * length)
@@ -82,8 +88,18 @@ def count(model: SparseModel, pair: int, reward: float, next_state: int) -> None
         model.first[pair] = first = moved
         model.room[pair] = room
     model.pool_states[first + length] = next_state
-    model.pool_counts[first + length] = 1
+    model.pool_counts[first + length] = times
     model.length[pair] = length + 1
+
+
+@kernel
+def times(model: SparseModel, pair: int, next_state: int) -> float:
+    """How often `pair` was followed by a state."""
+    first = model.first[pair]
+    for place in range(first, first + model.length[pair]):
+        if model.pool_states[place] == next_state:
+            return float(model.pool_counts[place])
+    return 0.0
 
 
 @kernel
