@@ -76,7 +76,7 @@ LATER: dict[str, dict[str, tuple[str, Any]]] = {
 
 HASHES = {
     "beyond/doors": "f08c50a4", "beyond/hidden": "3511f468", "beyond/labs": "3fe4e1ef", "beyond/leading": "5610060a",
-    "beyond/symmetry": "45768628",
+    "beyond/symmetry": "45768628", "beyond/coordination": "63a190ab", "beyond/planners": "2e3e4366",
     "generalisation": "0a09fb53", "my-human": "3ed1abad", "paper": "c7c38838", "quickstart": "621f9df4",
     "paper/fig6_bootstrap": "824627de", "paper/fig6_go_to_human": "e03a6c1e", "paper/fig6_navigation": "fdd34bd0",
     "paper/fig6_social": "824627de", "paper/fig7": "35c89a7c", "paper/fig8_adaptation": "c161c773",

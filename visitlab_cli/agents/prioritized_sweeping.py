@@ -79,7 +79,9 @@ class PrioritizedSweepingParameters(KnownValuesParameters):
     }
     kind: Literal["prioritized_sweeping"]
     backups: int = Field(default=5, ge=1, le=10**6, description="states that are backed up at each step, at most")
-    theta: float = Field(default=1e-3, ge=0, description="the change of a value below which nothing is queued for it")
+    theta: float = Field(
+        default=1e-3, ge=0, le=10**9, description="the change of a value below which nothing is queued for it"
+    )
 
     def _create(self, setting: Setting) -> PrioritizedSweeping:
         """Q of zeros, an empty model and nothing queued."""
