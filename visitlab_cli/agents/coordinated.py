@@ -47,7 +47,7 @@ class CoordinatedParameters(SweptParameters):
     """Model-based, or model-free where both agree; sweeps at every `plan_every`-th step that the first controlled."""
 
     takes_masks: ClassVar[bool] = True
-    microseconds_a_step: ClassVar[Mapping[str, float]] = {NAVIGATION: 2.7, GO_TO_HUMAN: 1.5, SOCIAL: 5.5, VISIT: 22.0}
+    microseconds_a_step: ClassVar[Mapping[str, float]] = {NAVIGATION: 1.3, GO_TO_HUMAN: 0.8, SOCIAL: 1.5, VISIT: 4.6}
     kind: Literal["coordinated"]
     threshold: float = Field(
         default=0.9, gt=0, le=1, description="agreement from which on the model-free expert acts in a state"

@@ -72,10 +72,10 @@ class PrioritizedSweepingParameters(KnownValuesParameters):
     """Epsilon-greedy, with `backups` states a step backed up in the order of their priority."""
 
     microseconds_a_step: ClassVar[Mapping[str, float]] = {
-        NAVIGATION: 20.0,
-        GO_TO_HUMAN: 20.0,
-        SOCIAL: 28.0,
-        VISIT: 40.0,
+        NAVIGATION: 10.0,
+        GO_TO_HUMAN: 12.3,
+        SOCIAL: 41.5,
+        VISIT: 52.5,
     }
     kind: Literal["prioritized_sweeping"]
     backups: int = Field(default=5, ge=1, le=10**6, description="states that are backed up at each step, at most")
