@@ -1,4 +1,4 @@
-"""A visit that begins with what several trainings have learned, and one whose robot is told that another human comes."""
+"""A visit that begins with what several trainings have learned, and a robot that is told that another human comes."""
 
 import numpy as np
 import pytest
