@@ -8,9 +8,12 @@ from tests.program import the_run, visitlab
 from visitlab_cli.agents.base import Setting
 from visitlab_cli.config.loading import load, load_text
 from visitlab_cli.errors import ConfigError
+from visitlab_cli.log.reader import read_steps
 from visitlab_cli.plan.cells import plan
 from visitlab_cli.plan.evaluation import Evaluation
 from visitlab_cli.plan.saved import unsound
+from visitlab_cli.results.metrics import Part, metrics_of
+from visitlab_cli.results.own_models import active_models, met
 from visitlab_cli.storage.arrays import read_model
 
 MODULES = "navigation: navigation/rmax, go_to_human: go_to_human/mb"
@@ -124,3 +127,18 @@ def test_each_mistake_has_its_line(pool, line):
         load_text(CONFIG.replace(POOL, pool), "pools.yaml")
     assert f"experiments.pooled.modules.{line}" in str(told.value)
     assert "\n" not in str(told.value)
+
+
+def test_the_log_and_the_metrics_tell_which_model_is_active(run):
+    (cell,) = (each for each in plan(load(run / "config.yaml")) if each.experiment == "several")
+    steps = read_steps(run / cell.path / "steps.mcap", ["step", "active_model", "evidence"])
+    active = active_models(read_model(run / cell.path / "model.npz"), cell.steps)
+    told = steps["active_model"][steps["step"] > 0]
+    # a step's row says what is active after it, so that the next one is chosen by that
+    assert np.array_equal(told[:-1], active[1:])
+    assert steps["evidence"].max() > 0
+    parts = metrics_of(run, cell, first=2)
+    for phase in met(cell, read_model(run / cell.path / "model.npz")):
+        assert parts[Part(cell.humans.index(phase.human), "first 2")]["own_model"] == phase.own[:200].mean()
+    plain = next(each for each in plan(load(run / "config.yaml")) if each.experiment == "pooled")
+    assert "active_model" not in read_steps(run / plain.path / "steps.mcap")
