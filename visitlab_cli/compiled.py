@@ -4,6 +4,10 @@ A kernel is a plain function of arrays, scalars and NamedTuples of them. Its mac
 named by a hash of every source file that kernels live in, since numba's own cache does not notice an edit in a
 file that a kernel calls: an edited rule would silently run as before. What holds code of other packages lies in a
 folder for just what they are, so that ours stays as it is.
+
+Who calls a kernel holds the arrays that it works on, so ours count no references to them: for each array of each
+record that goes from one function to another that would cost more than most rules do. So a kernel makes no arrays
+and gives none back; `array_kernel` may, and code of others.
 """
 
 import hashlib
@@ -37,6 +41,8 @@ KERNEL_SOURCES = (
     "agents",
     "simulation",
 )
+_UNCOUNTED: Any = {"_nrt": False}
+"""How numba compiles what counts no references."""
 _settings: Any = numba.config
 JIT_DISABLED = bool(_settings.DISABLE_JIT)
 _registered: dict[type, list[Callable[..., Any]]] = {}
@@ -100,10 +106,15 @@ def long_kernel(function: Function) -> Function:
     return _kernel(function, forceinline=False)
 
 
-def _kernel(function: Function, forceinline: bool) -> Function:
-    is_others(function.__code__.co_filename)
+def array_kernel(function: Function) -> Function:
+    """A long kernel that may make arrays, and keep or give back records that hold some: it counts references."""
+    return _kernel(function, forceinline=False, counts=True)
+
+
+def _kernel(function: Function, forceinline: bool, counts: bool = False) -> Function:
+    counts = is_others(function.__code__.co_filename) or counts
     compiler: Any = numba.njit
-    dispatcher = compiler(nogil=True, forceinline=forceinline)(function)
+    dispatcher = compiler(nogil=True, forceinline=forceinline, _nrt=counts)(function)
     if not JIT_DISABLED:
         dispatcher._cache = CacheByCode(function, lambda given: place_of(records_in(given), function).folder)
     return cast(Function, dispatcher)
@@ -134,14 +145,25 @@ class Operation:
             f"def choice({names}):\n    return find({first})\n",
             scope,
         )
+        self._names = names
         self.function: Callable[..., Any] = scope[signature.__name__]
         self.function.__doc__ = signature.__doc__
         operations[self.function] = self
-        overload(self.function, strict=False)(scope["choice"])  # annotations may differ, names may not
+        # annotations may differ, names may not
+        overload(self.function, strict=False, jit_options=_UNCOUNTED)(scope["choice"])
 
     def _find(self, first: Any) -> Callable[..., Any] | None:
         record = first.instance_class if isinstance(first, types.BaseNamedTuple) else None  # type: ignore[attr-defined]
-        return self._table.get(record, self._otherwise) if record else None
+        found = self._table.get(record, self._otherwise) if record else None
+        if found is None or not is_others(found.__code__.co_filename):
+            return found
+        return self._calling(kernel(found))
+
+    def _calling(self, compiled: Callable[..., Any]) -> Callable[..., Any]:
+        """A function that calls one that others have written: compiled as theirs, not as ours."""
+        scope: dict[str, Any] = {"compiled": compiled}
+        exec(f"def call({self._names}):\n    return compiled({self._names})\n", scope)
+        return cast(Callable[..., Any], scope["call"])
 
     def plain(self, record: type) -> Callable[..., Any]:
         """What it is for a record: the function as it was registered."""
@@ -174,4 +196,4 @@ def written(name: str, arguments: str, lines: Iterable[str], **names: Any) -> Ca
     """
     body = "".join(f"    {line}\n" for line in lines)
     exec(f"def {name}({arguments}):\n{body}", names)
-    return cast(Callable[..., Any], register_jitable(forceinline=True)(names[name]))
+    return cast(Callable[..., Any], register_jitable(forceinline=True, **_UNCOUNTED)(names[name]))

@@ -4,12 +4,15 @@ import json
 import subprocess
 import sys
 from itertools import count
+from typing import NamedTuple
 
 import numpy as np
 import pytest
 
 from tests.program import the_run, visitlab
+from visitlab_cli.random_numbers import random_state
 from visitlab_cli.sources import is_sources, sources
+from visitlab_cli.world.lab import RANDOM_CELL, paper_lab, random_cell
 
 KIND = '''"""Adds to what it believes of an action whenever it takes it."""
 
@@ -127,3 +130,18 @@ def test_code_without_a_file_is_compiled_each_time():
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout == "True None 3\n"
+
+
+class Even(NamedTuple):
+    number: int = 0
+
+
+@RANDOM_CELL.of(Even)
+def even_cell(walls, rows, cols, random):
+    drawn = np.zeros(2, np.int64)
+    drawn[:] = walls.number
+    return int(drawn.sum()), len(drawn.copy())
+
+
+def test_code_of_others_may_make_arrays_though_ours_which_calls_it_counts_no_references():
+    assert random_cell(paper_lab()._replace(walls=Even(3)), random_state(0, "cell")) == (6, 2)

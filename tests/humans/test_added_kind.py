@@ -144,6 +144,35 @@ def test_what_is_wrong_with_one_is_told_as_of_any_other(program, override, told)
     assert told in refused.stderr
 
 
+HIDDEN = """name: hidden
+humans: {clock: {kind: clockwork}, usual: {p_S: [1, 0, 0]}}
+agents: {mb: {kind: model_based}}
+experiments:
+  way: {task: navigation, agents: [mb], steps: 20}
+  near: {task: go_to_human, agents: [mb], steps: 20}
+  humans: {task: social, agents: [mb], humans: [usual, clock], steps: 20, BELIEF}
+  phases: {task: social, agents: [mb], phases: [{steps: 20, human: usual}, {steps: 20, human: clock}], BELIEF}
+  visit:
+    task: visit
+    modules: {navigation: way/mb, go_to_human: near/mb, social: humans/mb/usual}
+    phases: [{trials: 2, human: clock}, {trials: 2, human: usual}]
+    observe: geometry
+    belief: {parameters: given}
+"""
+
+
+def test_a_belief_is_not_given_the_parameters_of_one_that_has_others(program, tmp_path):
+    text = HIDDEN.replace("BELIEF", "observe: geometry, belief: {parameters: given}")
+    (tmp_path / "hidden.yaml").write_text(text)
+    refused = program("run", "hidden.yaml")
+    assert (refused.returncode, refused.stdout) == (3, "")
+    why = "no belief is given the parameters of this kind of human, which are not the paper's; say parameters: em"
+    told = [line.split(" experiments.")[1] for line in refused.stderr.splitlines()]
+    assert told == [f"{place}: {why}" for place in ("humans.humans.1", "phases.phases.1.human", "visit.phases.0.human")]
+    (tmp_path / "hidden.yaml").write_text(text.replace("given", "em"))
+    assert program("validate", "hidden.yaml").returncode == 0
+
+
 def test_it_is_listed_with_its_settings_and_the_papers_stays_as_it_was(program, tmp_path):
     schema = json.loads(program("schema").stdout)
     pages = [

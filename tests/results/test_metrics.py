@@ -10,9 +10,11 @@ import pytest
 
 import visitlab_cli
 from tests.program import visitlab
+from visitlab_cli.config.loading import load_text
 from visitlab_cli.log.reader import read_steps
 from visitlab_cli.plan.cells import plan
-from visitlab_cli.results.metrics import METRICS, WHOLE, measured, metrics_of
+from visitlab_cli.results import metrics
+from visitlab_cli.results.metrics import METRICS, WHOLE, Part, measured, metrics_of
 from visitlab_cli.results.ways import distances_to
 from visitlab_cli.storage.run_folder import read_config
 from visitlab_cli.world.enums import DISTANCE_NAMES
@@ -116,6 +118,50 @@ def test_the_way_to_a_goal_is_judged_from_where_it_was_set():
     assert measured(steps, lab)["path_efficiency"] == pytest.approx(np.mean([2 / 4, 1 / 1, 1.0]))
     stood = columns(step=[0, 1], human_col=[5, 5], goal_room=[1, 0], reward=[0, 1])
     assert math.isnan(measured(stood, lab)["path_efficiency"])
+
+
+RING = """
+name: ring
+humans: {one: {p_S: [1, 0, 0]}}
+agents: {mf: {kind: q_learning}, script: {kind: scripted}}
+labs:
+  ring: {map: "AabB\\nA##B\\naccb\\n"}
+  shut: {like: ring, closed: [AB]}
+experiments:
+  navigation: {task: navigation, agents: [mf], lab: ring, steps: 100}
+  go_to_human: {task: go_to_human, agents: [mf], steps: 100}
+  social: {task: social, agents: [script], humans: [one], steps: 20}
+  visit:
+    task: visit
+    lab: ring
+    modules: {navigation: navigation/mf, go_to_human: go_to_human/mf, social: social/script}
+    phases: [{trials: 1, human: one}, {trials: 1, human: one, lab: shut}, {trials: 2, human: one, doors: {AB: 0.5}}]
+    trial_steps: 5
+"""
+
+
+def test_the_way_to_a_goal_is_the_shortest_in_the_lab_of_its_phase_and_while_the_doors_of_its_trial_are_open(
+    tmp_path, monkeypatch
+):
+    """From A's corner to B it is two moves by their door, and five by C's: each time the human takes those."""
+    (cell,) = [cell for cell in plan(load_text(RING, "ring.yaml")) if cell.task == "visit"]
+    way = {
+        "step": range(6),
+        "human_row": [0, 1, 2, 2, 2, 2],
+        "human_col": [0, 0, 0, 1, 2, 3],
+        "reward": [0, 0, 0, 0, 0, 1],
+    }
+    steps = columns(**{name: 4 * list(values) for name, values in way.items()})
+    for name, values in {"trial": range(4), "phase": [0, 1, 2, 2], "open_doors": [-1, -1, 1, 0]}.items():
+        steps[name] = np.repeat(np.array(values), 6)
+    steps["goal_room"] = np.array(4 * [1, 1, 1, 1, 1, 2])
+    (tmp_path / cell.path).mkdir(parents=True)
+    (tmp_path / cell.path / "steps.mcap").touch()
+    monkeypatch.setattr(metrics, "read_steps", lambda file, names: {name: steps[name] for name in names})
+    found = metrics_of(tmp_path, cell, first=2)
+    assert list(found) == [Part(phase, "first 2") for phase in range(3)]
+    expected = [2 / 5, 1.0, (2 / 5 + 1) / 2]
+    assert [each["path_efficiency"] for each in found.values()] == pytest.approx(expected)
 
 
 def test_attention_that_is_lost_at_the_end_of_a_trial_does_not_come_back_in_the_next():

@@ -390,6 +390,16 @@ def _foretold(seen: SparseModel, row: int, context: int, likely: float) -> float
 
 
 @kernel
+def _strongest(evidence: Table) -> int:
+    """The model for which most speaks; the active one, for which nothing does, where nothing speaks for any."""
+    best = 0
+    for model in range(1, MOST):
+        if evidence[model] > evidence[best]:
+            best = model
+    return best
+
+
+@kernel
 def _place(step: int) -> int:
     return (step - 1) % MEMORY
 
@@ -416,7 +426,9 @@ def activate(agent: MultiModel, model: int, since: int) -> None:
     of_context = len(detection.model.visits) // (MOST + 1)
     if model == agent.now[MODELS]:
         agent.now[MODELS] += 1
-        agent.qs[model] = agent.qs[before]
+        for state in range(agent.qs.shape[1]):
+            for action in range(actions):
+                agent.qs[model, state, action] = agent.qs[before, state, action]
     for step in range(max(since, agent.now[STEP] - MEMORY) + 1, agent.now[STEP] + 1):
         place = _place(step)
         pair, reward, next_state = journal.pairs[place], journal.rewards[place], journal.next_states[place]
@@ -462,7 +474,7 @@ def take_in(agent: MultiModel, pair: int, reward: float, next_state: int) -> Non
     count(agent.plan, pair, reward, next_state)
     if not detects:
         return
-    best = int(np.argmax(detection.evidence[:MOST]))  # the active one has none
+    best = _strongest(detection.evidence)
     if detection.evidence[best] > SWITCH:
         activate(agent, best, detection.begun[best])
     elif detection.evidence[CANDIDATE] > NEW and agent.now[MODELS] < MOST:
@@ -489,7 +501,8 @@ def choose_as(
 def tell(agent: MultiModel, columns: StepColumns, row: int) -> None:
     """The active model, and the most that speaks for another one."""
     columns.active_model[row] = agent.now[ACTIVE]
-    columns.evidence[row] = agent.detection.evidence.max()
+    evidence = agent.detection.evidence
+    columns.evidence[row] = max(evidence[_strongest(evidence)], evidence[CANDIDATE], 0.0)
 
 
 @LEARN.of(MultiModel)

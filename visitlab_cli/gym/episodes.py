@@ -11,7 +11,7 @@ import numpy.typing as npt
 from numba import types
 from numba.experimental import structref
 
-from visitlab_cli.compiled import JIT_DISABLED, kernel, written
+from visitlab_cli.compiled import JIT_DISABLED, array_kernel, written
 from visitlab_cli.world.scene import NOWHERE, Scene
 from visitlab_cli.world.task import begin_trial, observe, step
 
@@ -74,7 +74,7 @@ class Memory(NamedTuple):
         self.rewards[:] = 0
 
 
-@kernel
+@array_kernel
 def _hold(
     task: Any, n_actions: int, every_goal: bool, scenes: Integers, randoms: Any, steps: Integers, rewards: Floats
 ) -> Any:
@@ -105,7 +105,7 @@ _write_scene = written(
 )
 
 
-@kernel
+@array_kernel
 def _begin(episodes: Any, lane: int) -> int:
     """Begin a trial in a lane; its state."""
     scene = begin_trial(episodes.task, _read_scene(episodes.scenes, lane), episodes.randoms[lane])
@@ -115,7 +115,7 @@ def _begin(episodes: Any, lane: int) -> int:
     return int(observe(episodes.task, scene))
 
 
-@kernel
+@array_kernel
 def _advance(episodes: Any, lane: int, action: int) -> Told:
     before = _read_scene(episodes.scenes, lane)
     scene, reward, lesson = step(episodes.task, before, action, episodes.randoms[lane])
@@ -130,14 +130,14 @@ def _advance(episodes: Any, lane: int, action: int) -> Told:
     return state, reward, lesson, over, level, new_level, new_goal
 
 
-@kernel
+@array_kernel
 def begin_one(episodes: Any) -> Told:
     """Begin a trial in the first lane: what there is to tell, nothing having been reached."""
     state = _begin(episodes, 0)
     return state, 0.0, 0.0, False, int(episodes.scenes[0, _LEVEL]), NONE, NONE
 
 
-@kernel
+@array_kernel
 def step_one(episodes: Any, action: int) -> Told:
     """A step in the first lane; the state is `NO_SUCH_ACTION` or `NOT_BEGUN` where there can be none."""
     if action < 0 or action >= episodes.n_actions:
@@ -147,14 +147,14 @@ def step_one(episodes: Any, action: int) -> Told:
     return _advance(episodes, 0, action)
 
 
-@kernel
+@array_kernel
 def begin_lanes(episodes: Any, states: Integers) -> None:
     """Begin a trial in every lane: `states`, shape (lanes,), is filled."""
     for lane in range(len(states)):
         states[lane] = _begin(episodes, lane)
 
 
-@kernel
+@array_kernel
 def step_lanes(
     episodes: Any,
     actions: Integers,

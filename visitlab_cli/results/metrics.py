@@ -5,6 +5,7 @@ Such numbers are told of robots among people by HuNavSim (Perez-Higueras et al.,
 """
 
 from collections.abc import Iterator, Sequence
+from functools import cache, partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -23,10 +24,10 @@ from visitlab_cli.results.phases import FIRST
 from visitlab_cli.results.units import Units, by_unit
 from visitlab_cli.results.ways import distances_to
 from visitlab_cli.storage.cell_folder import STEPS, read_cell
-from visitlab_cli.world.columns import BELIEF, COLUMNS, ENGAGEMENT, GOAL, MODELS
+from visitlab_cli.world.columns import BELIEF, COLUMNS, DOORS, ENGAGEMENT, GOAL, MODELS
 from visitlab_cli.world.enums import DISTANCE_NAMES, InteractionLevel
 from visitlab_cli.world.geometry import BEHIND, CIRCLE, FACING_FIELD, HUNDREDTHS, make_geometry
-from visitlab_cli.world.lab import Lab
+from visitlab_cli.world.lab import ALL_OPEN, Lab
 
 Values = npt.NDArray[Any]
 Steps = dict[str, Values]
@@ -83,6 +84,7 @@ class Part(NamedTuple):
 WHOLE = Part()
 BELIEFS = tuple(column.name for column in COLUMNS if column.part == BELIEF)
 """Columns of what is believed, by `Engagement`."""
+(OPEN_DOORS,) = (column.name for column in COLUMNS if column.part == DOORS)
 
 
 def metrics_of(run: Path, cell: Cell, first: int = FIRST) -> dict[Part, dict[str, float]]:
@@ -105,8 +107,11 @@ def metrics_of(run: Path, cell: Cell, first: int = FIRST) -> dict[Part, dict[str
     names += ["goal_room"] if cell.settings.plays.has(GOAL) else []
     names += ["phase"] if cell.settings.phases else []
     names += BELIEFS if BELIEF in cell.parts else ()
+    names += [OPEN_DOORS] if DOORS in cell.parts else []
     steps, lab = read_steps(file, names), lab_of(cell.settings)
     check_values(file, steps, cell.task, lab)
+    if not cell.settings.phases:
+        return {WHOLE: measured(steps, lab)}
     parts: dict[Part, Values] = {}
     begins = 0
     for number, trials in enumerate(cell.settings.phase_trials):
@@ -115,7 +120,8 @@ def metrics_of(run: Path, cell: Cell, first: int = FIRST) -> dict[Part, dict[str
         parts[Part(number, "rest")] = of_phase & (steps["trial"] >= until)
         begins += trials
     chosen = {part: {name: column[rows] for name, column in steps.items()} for part, rows in parts.items()}
-    found = {part: measured(of, lab) for part, of in (chosen or {WHOLE: steps}).items() if len(of["step"])}
+    labs = cell.settings.labs
+    found = {part: measured(of, labs[part.phase or 0]) for part, of in chosen.items() if len(of["step"])}
     if MODELS in cell.parts and cell.settings.phases:
         for number, phase in enumerate(met(cell, model_of(run, cell))):
             early = first * cell.settings.trial_steps
@@ -128,7 +134,10 @@ def metrics_of(run: Path, cell: Cell, first: int = FIRST) -> dict[Part, dict[str
 
 
 def measured(steps: Steps, lab: Lab) -> dict[str, float]:
-    """The metrics of recorded steps, whole trials from their step 0 on, that were played in `lab`."""
+    """The metrics of recorded steps, whole trials from their step 0 on, that were played in `lab`.
+
+    Its doors are as `steps` say, open where they say nothing.
+    """
     after = steps["step"] > 0
     level = steps["interaction_level"]
     found = _gaze(steps, after)
@@ -217,13 +226,14 @@ def _paths(steps: Steps, lab: Lab) -> dict[str, float]:
     walked = np.maximum(abs(np.diff(rows, prepend=rows[0])), abs(np.diff(cols, prepend=cols[0])))
     walked[steps["step"] == 0] = 0
     so_far = np.cumsum(walked)
-    away = [distances_to(lab, room) for room in range(lab.n_rooms)]
+    doors = steps.get(OPEN_DOORS, np.full(len(rows), ALL_OPEN))
+    away = cache(partial(distances_to, lab))
     ratios: list[float] = []
     since = 0
     reached = (steps["step"] > 0) & (steps["reward"] > 0)
     for row in np.flatnonzero(reached | (steps["step"] == 0)).tolist():
         if reached[row]:
-            shortest = away[int(steps["goal_room"][since])][rows[since], cols[since]]
+            shortest = away(int(steps["goal_room"][since]), int(doors[since]))[rows[since], cols[since]]
             walk = so_far[row] - so_far[since]
             if walk > 0:  # else it stood there already
                 ratios.append(min(1.0, float(shortest / walk)))

@@ -11,7 +11,7 @@ import numpy as np
 
 from visitlab_cli.agents.base import Saved, choose, choose_as
 from visitlab_cli.agents.exploration import Table, greedy
-from visitlab_cli.compiled import Operation, kernel, long_kernel
+from visitlab_cli.compiled import Operation, array_kernel, kernel
 from visitlab_cli.random_numbers import RandomState
 from visitlab_cli.simulation.estimates import Estimates, make_estimates, notice
 from visitlab_cli.simulation.lead import Lead, leading_action, make_lead, offset_of, start_lead, sweep_lead
@@ -169,7 +169,7 @@ def _prepare_plan(controller: Planned, direction_values: Table) -> None:
     plan_if_due(controller, direction_values)
 
 
-@long_kernel
+@array_kernel
 def plan_if_due(controller: Planned, direction_values: Table) -> None:
     """Plan at first, and at every tenth trial where an estimate or a successor has changed."""
     clock, known, estimates, leading = controller.clock, controller.known, controller.estimates, controller.leading

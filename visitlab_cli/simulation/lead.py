@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from visitlab_cli.agents.exploration import Table
-from visitlab_cli.compiled import kernel, long_kernel
+from visitlab_cli.compiled import array_kernel, kernel, long_kernel
 from visitlab_cli.simulation.successors import Cells, Successors
 from visitlab_cli.simulation.vehicle import DISCOUNT
 from visitlab_cli.world.enums import MAX_SPEED, N_DIRECTIONS, N_PHYSICAL_ACTIONS
@@ -99,7 +99,7 @@ def _outcome(place: Cells, sees: npt.NDArray[np.bool_], direction: Cells, reach:
     return int(offset) if direction[offset] >= 0 else len(direction)
 
 
-@long_kernel
+@array_kernel
 def sweep_lead(lead: Lead, known: Successors) -> None:
     """One synchronous sweep over all pairs of cells, then what follows from its result."""
     after, meant, place, sees = known.after, known.meant, known.place, known.sees

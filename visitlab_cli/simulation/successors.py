@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from visitlab_cli.agents.base import Saved
-from visitlab_cli.compiled import kernel, long_kernel
+from visitlab_cli.compiled import array_kernel, kernel
 from visitlab_cli.random_numbers import RandomState, random_below
 from visitlab_cli.world.enums import N_DIRECTIONS, N_MOVES, N_PHYSICAL_ACTIONS, N_SOCIAL_ACTIONS, Action
 from visitlab_cli.world.lab import Lab
@@ -84,7 +84,7 @@ def pooled_counts(model: Saved, cells: int) -> tuple[Cells, Cells, Cells, npt.ND
     return start, taken, seen % cells, counts.astype(np.float64)
 
 
-@long_kernel
+@array_kernel
 def follow_up(known: Successors) -> None:
     """Make `meant` and `moves` anew from `after`."""
     cells = len(known.after)

@@ -7,7 +7,7 @@ direction d is known to lead to from h. What an average of navigation's values o
 import numpy as np
 
 from visitlab_cli.agents.exploration import Table
-from visitlab_cli.compiled import long_kernel
+from visitlab_cli.compiled import array_kernel
 from visitlab_cli.simulation.successors import Cells
 from visitlab_cli.world.enums import MAX_SPEED, N_DIRECTIONS
 
@@ -16,7 +16,7 @@ SETTLED = 1e-12
 """Values that a sweep changes by less are done."""
 
 
-@long_kernel
+@array_kernel
 def plan_directions(after: Cells, rooms: Cells, speeds: Table, values: Table) -> None:
     """Fill `values`, shape (goal rooms, cells, 8): what each direction is worth.
 

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from visitlab_cli.compiled import kernel, long_kernel
+from visitlab_cli.compiled import array_kernel, kernel
 from visitlab_cli.world.enums import MAX_SPEED, N_DIRECTIONS, Action, Engagement, InteractionLevel
 from visitlab_cli.world.geometry import is_appropriate
 from visitlab_cli.world.human import is_gesture
@@ -70,7 +70,7 @@ def begin(belief: Belief) -> None:
     belief.now[NONE] = 1.0
 
 
-@long_kernel
+@array_kernel
 def follow(belief: Belief, lab: Lab, before: Scene, after: Scene, level: int) -> None:
     """Take in one step in `lab`; `level` is what geometry alone said before it, 0 to 4."""
     action, appropriate = after.executed_action, is_appropriate(before.distance)
