@@ -299,6 +299,30 @@ def test_what_the_human_sees_ends_at_the_lab(shown, tiny_run, tmp_path):
     assert "drawn up to 5 cells; sight goes on" in page.locator(".legend").text_content()
 
 
+def test_between_walls_the_cells_that_are_seen_are_drawn_and_shut_doors(shown, tiny_run, tmp_path):
+    report = gather(tiny_run)
+    trial = report.trials[0]
+    scene, place = trial["scene"], trial["place"]
+    for role in ("human", "sight"):
+        scene[role] = [[12.5, 12.5, 2, 1 + 4 * (role == "sight")]] * len(scene[role])
+    scene |= {"cells": [0] * len(scene["sight"]), "seen": [[[[12, 9, 1]], [[12, 11, 2]]]]}
+    place |= {"shut": [[[20, 4], [22, 4]]], "closed": ["BE"], "open": [[[2, 4], [4, 4]]]}
+    place["rooms"] = [[*room[:5], False, "x"] for room in place["rooms"]]
+    file = tmp_path / "walls.html"
+    file.write_text(render(*report))
+    page = shown(file)
+    sees, faces = (page.locator(f".lab .{field}").get_attribute("d") for field in ("sees", "faces"))
+    assert (sees, faces) == ("M12,9h1v1h-1zM12,11h2v1h-2z", "M12,11h2v1h-2z")
+    assert page.locator(".lab .sees").evaluate("(node) => node.parentNode.getAttribute('transform')") is None
+    assert page.locator(".lab .shut").get_attribute("points") == "20,4 22,4"
+    assert page.locator(".lab .open").count() == 1
+    assert page.locator(".lab rect.wall").count() == 1, "the border of the lab"
+    assert {name.text_content() for name in page.locator(".lab .room").all()} == {"x"}
+    assert "doors shut: BE" in page.locator(".about").text_content()
+    assert "shut door" in page.locator(".legend").text_content()
+    assert complaints(page) == []
+
+
 def shown_lines(page, section):
     return page.locator(f"#{section} tr[data-line]:visible")
 

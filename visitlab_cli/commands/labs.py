@@ -32,7 +32,7 @@ def command(
     as_json: Json = False,
 ) -> None:
     """Draw the labs that a config declares, and the paper's, and tell their rooms and doors."""
-    from visitlab_cli.config.labs import about_lab, lab_to_draw, labs_of
+    from visitlab_cli.config.labs import about_lab, lab_called, labs_of
     from visitlab_cli.config.loading import load
     from visitlab_cli.errors import NotFoundError, UsageError
     from visitlab_cli.origin import check_ours
@@ -49,7 +49,7 @@ def command(
     for name in named or ():
         if name not in known:
             raise NotFoundError(f"--lab {printable(name)}: no lab is called so{or_else(name, known)}")
-    chosen = {name: lab_to_draw(name, labs) for name in named or known}
+    chosen = {name: lab_called(name, labs) for name in named or known}
     if picture is not None:
         from visitlab_cli.replay.labs import save_labs
 

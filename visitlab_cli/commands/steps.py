@@ -53,6 +53,8 @@ def command(
     from visitlab_cli.plan.selection import Selection
     from visitlab_cli.replay.choice import choose_trial, find_logs
     from visitlab_cli.scene.trial import lab_of_steps, phase_of_log
+    from visitlab_cli.scene.words import shut_in
+    from visitlab_cli.world.sight import Walls
 
     logs = find_logs(run, out, Selection(experiment, human, agent, seed, tuple(at or ())))
     chosen = choose_trial(logs, trial, phase)
@@ -64,7 +66,9 @@ def command(
     check_values(log.path, steps, read_metadata(log.path)["task"], lab)
     in_phase = phase_of_log(log.path, steps)
     if as_json:
-        told = {"cell": log.cell, "trial": number, **({"phase": in_phase} if in_phase else {})}
+        told: dict[str, Any] = {"cell": log.cell, "trial": number, **({"phase": in_phase} if in_phase else {})}
+        if isinstance(lab.walls, Walls):
+            told["doors_shut"] = shut_in(steps, lab)
         tell_json({**told, "steps": plain(steps, lab)})
     else:
         tell(", ".join(filter(None, (log.cell, f"trial {number}", in_phase))), "")

@@ -29,7 +29,7 @@ def command(
 ) -> None:
     """Check a config: every error at once, each with its place; else what it would run."""
     from visitlab_cli.config.canonical import canonical, config_hash, dump_yaml
-    from visitlab_cli.config.labs import lab_to_draw
+    from visitlab_cli.config.labs import lab_called
     from visitlab_cli.config.loading import load
     from visitlab_cli.errors import ConfigError
     from visitlab_cli.plan.cells import plan
@@ -50,7 +50,7 @@ def command(
     elif show:
         tell_text(dump_yaml(loaded).rstrip("\n"))
         for name in loaded.labs:
-            drawn = lab_in_text(lab_to_draw(name, loaded.labs)).splitlines()
+            drawn = lab_in_text(lab_called(name, loaded.labs)).splitlines()
             tell_text("\n".join(["#", f"# lab {name}:", *(f"# {line}" for line in drawn)]))
     else:
         tell(f"valid: {len(cells)} cell{'s' if len(cells) != 1 else ''}, {steps:,} steps; the run would be {run}")

@@ -9,7 +9,7 @@ from visitlab_cli.agents.base import AgentParameters, Saved, Setting
 from visitlab_cli.agents.declared import Declared
 from visitlab_cli.agents.exploration import Table
 from visitlab_cli.config.labs import LabSettings, lab_called
-from visitlab_cli.config.names import PAPER_LAB, Module, Name
+from visitlab_cli.config.names import PAPER_LAB, Module, Name, changes_of_place
 from visitlab_cli.config.phases import PHASES, Phase
 from visitlab_cli.settings import Settings, since
 from visitlab_cli.world.columns import DOORS, ENGAGEMENT, MODULES
@@ -74,6 +74,12 @@ class Experiment(Settings):
     def labs(self) -> list[Lab]:
         """The labs that it takes place in: one, or that of each phase."""
         return [self.lab_in(phase) for phase in self.phases] or [self.lab_in()]
+
+    @property
+    def changes_of_place(self) -> list[str]:
+        """Of each phase what of its lab and doors is another than in the phase before, in words."""
+        said = ((getattr(phase, "lab", None), getattr(phase, "doors", None)) for phase in self.phases)
+        return changes_of_place(self.lab_name, [(lab or self.lab_name, doors or {}) for lab, doors in said])
 
     @property
     def plays(self) -> Task:

@@ -243,13 +243,6 @@ def labs_of(labs: Mapping[str, LabSettings]) -> list[str]:
     return [PAPER_LAB, *labs]
 
 
-def lab_to_draw(name: str, labs: Mapping[str, LabSettings]) -> Lab:
-    """A lab whose closed doors can be told from its walls."""
-    if name == PAPER_LAB:
-        return paper_lab()
-    return labs[name].lab(dict.fromkeys(labs[name].closed, 0.0))
-
-
 def about_lab(name: str, labs: Mapping[str, LabSettings]) -> dict[str, Any]:
     """A lab as plain values: its size in cells, rooms, those that may be goals, doors with their cells, its map."""
     layout, no_goals, closed = layout_called(name, labs)

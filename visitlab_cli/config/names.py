@@ -1,8 +1,11 @@
 """The names that a config gives to humans, agents and experiments, and how one is referred to."""
 
+from collections.abc import Iterable, Mapping
 from typing import Annotated, Any, NamedTuple
 
 from pydantic import AfterValidator, Field
+
+from visitlab_cli.wording import few
 
 NAME_RULE = "a name has 1 to 64 of A-Z a-z 0-9 . _ - and starts with a letter or digit"
 _NAME = r"[A-Za-z0-9][A-Za-z0-9._-]{0,63}"
@@ -41,6 +44,25 @@ LOG_ENDING = ".mcap"
 
 PAPER_LAB = "paper"
 """The name of the paper's lab, which needs no declaration."""
+MOST_DOORS = 3
+"""So many doors that toggle are named in words."""
+
+
+def changes_of_place(lab: str, phases: Iterable[tuple[str, Mapping[str, float]]]) -> list[str]:
+    """Of each phase what of its lab and its toggling doors is another than in the phase before, in words.
+
+    Args:
+        lab: the experiment's own, as which its first phase begins, with no door that toggles.
+        phases: the lab of each, and how likely some doors are opened or shut.
+    """
+    told, before = [], (lab, dict[str, float]())
+    for name, doors in phases:
+        toggling = few([f"{door} {chance:g}" for door, chance in doors.items()], MOST_DOORS)
+        new = [f"lab {name}"] if name != before[0] else []
+        new += [f"doors {toggling}" if doors else "no door toggles"] if doors != before[1] else []
+        told.append(", ".join(new))
+        before = name, dict(doors)
+    return told
 
 
 class Module(NamedTuple):

@@ -36,14 +36,16 @@ def table_and_notes(found: "Sequence[PhaseResult]", first: int) -> list[str]:
     from visitlab_cli.results.varying import varying
 
     who = ["experiment", "agent"]
-    rest = ["phase", "human", "trials"]
+    new = ["new place"] if any(each.place for each in found) else []
+    rest = ["phase", "human", *new, "trials"]
     numbers = [f"first {first}", "rest", "change", "met again", "n"]
     varied = varying((each.group.point for each in found), taken=[*who, *rest, *numbers])
     words = [*who, *varied.heads.values(), *rest]
     rows = [
         [
             *(each.group.experiment, each.group.agent, *varied.values(each.group.point)),
-            *(str(each.phase), each.human or "-", f"{each.begins} to {each.begins + each.trials - 1}"),
+            *(str(each.phase), each.human or "-", *([each.place or "-"] if new else [])),
+            f"{each.begins} to {each.begins + each.trials - 1}",
             *(_words(each.first), _words(each.rest), _words(each.change, "+"), _words(each.again, "+")),
             each.units.words if each.units.shared else str(each.units.n),
         ]

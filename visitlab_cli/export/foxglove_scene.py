@@ -8,10 +8,12 @@ import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
+import numpy as np
+
 from visitlab_cli.scene.colours import FACING_FIELD, INK, VISUAL_FIELD, Colour, shares
 from visitlab_cli.scene.scene import BODIES, SAYS, WANTED, Scene
-from visitlab_cli.scene.shapes import Area, Arrow, Body, Line, Role, Shape, Sight, Speech, Vectors
-from visitlab_cli.scene.sight import FACES_DEGREES, SEES_DEGREES
+from visitlab_cli.scene.shapes import Area, Arrow, Body, Line, Role, Shape, Sight, Speech, Style, Vectors
+from visitlab_cli.scene.sight import FACES, FACES_DEGREES, SEES, SEES_DEGREES
 from visitlab_cli.world.enums import N_DIRECTIONS
 
 LAB = "lab"
@@ -21,6 +23,7 @@ Place = Sequence[float]
 _HEIGHT, _WIDTH = 1.0, 0.8
 """Of a body, in cells."""
 _ON_FLOOR, _UNDER_LINES, _ABOVE_HEADS = 0.06, 0.02, 0.5
+_SIGHT_OPACITY = 0.35
 _ENTITIES = {
     Role.GOAL: "goal room",
     Role.ROBOT_WAY: "robot's way",
@@ -29,6 +32,7 @@ _ENTITIES = {
     Role.WANTED_HUMAN: "where the plan wants the human",
     Role.WANTED_ROBOT: "where the plan wants the robot",
 }
+_SEEN = "what the human sees"
 """The names of entities in the frame `lab`."""
 
 
@@ -42,7 +46,8 @@ def lab_entities(scene: Scene) -> list[Fields]:
     walls = [_line(_raised(_northwards(scene, area.outline[:4])), INK, loop=True) for area in outlined]
     barred = [shape for shape in place if isinstance(shape, Line) and shape.role in (Role.WALL, Role.SHUT)]
     floors += [_wall(scene, wall) for wall in barred]
-    names = [_text(area.text, (*_at_northern_edge(scene, area), 0.1), INK) for area in areas if area.text]
+    named = [(area.name(_width_of, margin=0.4), area) for area in areas if area.text]
+    names = [_text(name, (*_at_northern_edge(scene, area), 0.1), INK) for name, area in named]
     return [_entity("floor", LAB, cubes=floors, lines=walls, texts=names)]
 
 
@@ -54,7 +59,10 @@ def scene_entities(scene: Scene, step: int) -> list[Fields]:
     for shape in shapes:
         if isinstance(shape, Body):
             said = [each.text for each in shapes if isinstance(each, Speech) and each.role == SAYS[str(shape.role)]]
-            entities.append(_body(scene, step, shape, said, [] if shape.role == Role.ROBOT else sights))
+            sectors = [sight for sight in sights if not sight.walled and shape.role == Role.HUMAN]
+            entities.append(_body(scene, step, shape, said, sectors))
+        elif isinstance(shape, Sight):
+            entities += [_entity(_SEEN, LAB, cubes=_cells(scene, shape))] if shape.walled else []
         elif shape.role in _ENTITIES:
             entities.append(_entity(_ENTITIES[shape.role], LAB, **_PRIMITIVES[type(shape)](scene, shape)))
     if scene.trial.has_plan:  # what is not wanted any more is replaced by nothing
@@ -121,6 +129,17 @@ def _sight(sight: Sight) -> list[Fields]:
     return [_line(_sector(sight.radius, math.radians(degrees)), colour) for degrees, colour in fields]
 
 
+def _cells(scene: Scene, sight: Sight) -> list[Fields]:
+    """The cells that walls leave of both fields, as far as the two can interact."""
+    fields = ((SEES, VISUAL_FIELD), (FACES, FACING_FIELD))
+    return [
+        _slab(scene, Area(sight.role, np.array((x, y)), np.array((n, 1)), Style(colour)), _UNDER_LINES, _ON_FLOOR)
+        | {"color": _rgb(colour) | {"a": _SIGHT_OPACITY}}
+        for kind, colour in fields
+        for x, y, n in sight.rows_of_cells(kind)
+    ]
+
+
 def _sector(radius: float, half_width: float) -> list[Place]:
     """The border of a field of sight, `half_width` to each side of x, as a closed strip."""
     angles = [half_width * part / 8 for part in range(-8, 9)]
@@ -164,6 +183,10 @@ def _wall(scene: Scene, wall: Line) -> Fields:
     (x, y), (to_x, to_y) = _northwards(scene, wall.points)
     size = (abs(to_x - x) + wall.style.width, abs(to_y - y) + wall.style.width, _HEIGHT)
     return _box(((x + to_x) / 2, (y + to_y) / 2, _HEIGHT / 2), size, wall.style.colour)
+
+
+def _width_of(words: str) -> float:
+    return 0.6 * len(words)
 
 
 def _turn(heading: float) -> Fields:

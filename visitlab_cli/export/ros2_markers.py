@@ -43,7 +43,8 @@ def _area(messages: Messages, area: Area) -> list[Any]:
         made.append(_marker(messages, area.role, _CUBE, area.style.colour, (width, depth, _THIN), pose=place))
     if area.text:
         x, y = area.corner[0] + width / 2, area.corner[1] + 1
-        made.append(_text(messages, f"{area.role} name", area.text, (x, y, _THIN)))
+        name = area.name(lambda words: 0.6 * _LETTERS * len(words), margin=0.4)
+        made.append(_text(messages, f"{area.role} name", name, (x, y, _THIN)))
     return made
 
 

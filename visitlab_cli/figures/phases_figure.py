@@ -109,20 +109,29 @@ def _draw_bands(axes: "Axes", settings: Experiment, trial: int) -> None:
     humans = list(dict.fromkeys(phase.met for phase in settings.phases))
     width = (PAGE - SIDES) / settings.n_trials
     begins = 0
-    for number, (phase, trials) in enumerate(zip(settings.phases, settings.phase_trials, strict=True)):
+    places = settings.changes_of_place
+    for number, (phase, place, trials) in enumerate(zip(settings.phases, places, settings.phase_trials, strict=True)):
         tint = TINTS[(humans.index(phase.met) if len(humans) > 1 else number) % len(TINTS)]
         band = axes.axvspan(begins * trial, (begins + trials) * trial, color=tint, lw=0, zorder=0)
         band.set_gid(f"phase/{number}")
         axes.axvline(begins * trial, color=GREY, linewidth=0.5 if number else 0.0, zorder=1)
-        words = next((each for each in _labels(number, phase) if width_of(each, FONT_SIZE) <= width * trials), "")
-        place = ((begins + trials / 2) * trial, 1.02)
-        axes.text(*place, words, transform=axes.get_xaxis_transform(), ha="center", va="bottom", color=INK)
+        words = next(
+            (each for each in _labels(number, phase, place) if width_of(each, FONT_SIZE) <= width * trials), ""
+        )
+        middle = ((begins + trials / 2) * trial, 1.02)
+        axes.text(*middle, words, transform=axes.get_xaxis_transform(), ha="center", va="bottom", color=INK)
         begins += trials
 
 
-def _labels(number: int, phase: Phase) -> list[str]:
+def _labels(number: int, phase: Phase, place: str) -> list[str]:
     """What a band is called, the longest first."""
     planning = [] if phase.plan_every is None else [f"plans every {phase.plan_every:,}"]
-    told = ", ".join(filter(None, [phase.met, *planning]))
-    whole = f"{number}: {told}" if told else str(number)
-    return [f"phase {whole}", whole, f"{number}: {phase.met}" if phase.met else str(number), str(number)]
+    shorter: tuple[list[str], ...] = (
+        [phase.met, place, *planning],
+        [phase.met, place],
+        [place] if place else [phase.met],
+        [],
+    )
+    told = (", ".join(filter(None, each)) for each in shorter)
+    whole, *others = (f"{number}: {each}" if each else str(number) for each in told)
+    return [f"phase {whole}", whole, *others]

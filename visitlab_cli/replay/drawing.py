@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 import rerun as rr
 
 from visitlab_cli.replay.lettering import strokes, width_of
@@ -14,7 +15,7 @@ from visitlab_cli.scene.shapes import Area, Arrow, Body, Polygon, Role, Shape, S
 from visitlab_cli.scene.shapes import Line as Way
 from visitlab_cli.scene.words import action_name
 
-NOTHING, SEES, FACES, GOAL_ROOM, REACHED_ROOM = range(5)
+NOTHING, SEES, FACES, GOAL_ROOM, REACHED_ROOM, SOLID_CELL = range(6)
 """Classes of coloured cells, the first three those of `scene.sight`."""
 CLASSES = [
     (NOTHING, "", (0, 0, 0, 0)),
@@ -23,6 +24,7 @@ CLASSES = [
     (GOAL_ROOM, "goal room", GOAL_FLOOR),
     (REACHED_ROOM, "goal room, just reached", REACHED_FLOOR),
 ]
+SOLID_CLASS = (SOLID_CELL, "solid", WALL)
 WHITE: Colour = (255, 255, 255)
 NAME: Colour = (196, 196, 194)
 PALE: dict[Role, Colour] = {Role.ROBOT_WAY: (244, 190, 150), Role.HUMAN_WAY: (150, 196, 226)}
@@ -31,13 +33,16 @@ FLOOR, GOAL, FIELD, WALLS, PATH, HUMAN, ROBOT, SAYS, SIGN = -30.0, -25.0, -22.0,
 NEAR_OPACITY, ELSEWHERE_OPACITY = 0.42, 0.14
 LETTERS, SIGN_LETTERS, BUBBLE_LETTERS = 0.7, 1.1, 0.75
 """Heights in cells."""
+NAME_MARGIN = 0.2
+"""In cells: what a room's name leaves free on each side."""
 Draw = Callable[[Shape], list[Line]]
 
 
 def draw_scene(stage: Stage) -> None:
     """The place, and every moment of the trial in it."""
     moments = stage.scene.moments()
-    stage.fixed("/", rr.AnnotationContext(CLASSES))
+    solid = of_role(stage.scene.place(), Role.SOLID)
+    stage.fixed("/", rr.AnnotationContext([*CLASSES, SOLID_CLASS] if solid else CLASSES))
     _draw_place(stage)
     _draw_goals(stage, moments)
     if stage.trial.has_plan:
@@ -67,7 +72,12 @@ def _draw_place(stage: Stage) -> None:
     look: Any = {"colors": tiles[0].colour, "radii": tiles[0].radius, "draw_order": FLOOR}
     stage.fixed("lab/floor", rr.LineStrips2D([tile.points for tile in tiles], **look))
     stage.fixed("lab/walls", rr.LineStrips2D(lines, colors=WALL, radii=0.06, draw_order=WALLS))
-    parts = [line for shape in of_role(place, Role.SOLID, Role.WALL, Role.SHUT) for line in _strip(shape)]
+    solid = of_role(place, Role.SOLID)
+    if solid:
+        cells = np.zeros((stage.trial.rows, stage.trial.cols), np.uint8)
+        _fill(cells, solid, SOLID_CELL)
+        stage.fixed("lab/solid", rr.SegmentationImage(cells, opacity=1.0, draw_order=FIELD + 1))
+    parts = [line for shape in of_role(place, Role.OPEN, Role.WALL, Role.SHUT) for line in _strip(shape)]
     if parts:
         look = {"colors": [part.colour for part in parts], "radii": [part.radius for part in parts]}
         stage.fixed("lab/parts", rr.LineStrips2D([part.points for part in parts], **look, draw_order=WALLS + 1))
@@ -80,12 +90,18 @@ def _draw_goals(stage: Stage, moments: Sequence[Sequence[Shape]]) -> None:
         return
     cells = np.zeros((len(moments), stage.trial.rows, stage.trial.cols), np.uint8)
     for step, shapes in enumerate(moments):
-        for area in of_role(shapes, Role.GOAL, Role.REACHED):
-            if isinstance(area, Area):
-                (x, y), (width, height) = area.corner.astype(int), area.size.astype(int)
-                cells[step, y : y + height, x : x + width] = GOAL_ROOM if area.role == Role.GOAL else REACHED_ROOM
+        for role, kind in ((Role.GOAL, GOAL_ROOM), (Role.REACHED, REACHED_ROOM)):
+            _fill(cells[step], of_role(shapes, role), kind)
     stage.cells("lab/goal", cells, GOAL)
     _draw_lines(stage, "lab/flag", moments, (Role.CLOTH, Role.POLE), _strip, WALLS)
+
+
+def _fill(cells: npt.NDArray[np.uint8], shapes: Sequence[Shape], kind: int) -> None:
+    """Make the cells of areas, (rows, cols), of a class."""
+    for area in shapes:
+        if isinstance(area, Area):
+            (x, y), (width, height) = area.corner.astype(int), area.size.astype(int)
+            cells[y : y + height, x : x + width] = kind
 
 
 def _draw_human(stage: Stage, moments: Sequence[Sequence[Shape]]) -> None:
@@ -165,13 +181,7 @@ def _draw_lines(
 
 
 def _strip(shape: Shape) -> list[Line]:
-    """A line, a shaft without a head, a triangle filled with lines, or a row of cells as a broad one."""
-    if isinstance(shape, Area):
-        middle = np.array([0, shape.size[1].item() / 2], np.float32)
-        ends = np.array([shape.size[1].item() / 2, 0], np.float32)
-        across = np.array([shape.size[0].item(), 0], np.float32)
-        first, last = shape.corner + middle + ends, shape.corner + middle + across - ends
-        return [Line(np.stack([first, last]), shape.size[1].item() / 2, shape.style.colour)]
+    """A line, a shaft without a head, or a triangle filled with lines."""
     if isinstance(shape, Polygon):
         first, second, third = shape.points
         downs = np.linspace(0, 1, 17, dtype=np.float32)
@@ -202,13 +212,14 @@ def _shoulders(body: Body, radius: float, colour: Colour) -> Line:
 
 def _name(area: Area) -> list[Vectors]:
     """A room's name in its north-western corner."""
-    text = area.text.upper()
-    x, y = area.corner + np.array([0.75, 0.5], np.float32)
-    return strokes(text, (float(x) + width_of(text, LETTERS) / 2, float(y) + LETTERS / 2), LETTERS)
+    text = area.name(lambda words: width_of(words, LETTERS), margin=2 * NAME_MARGIN).upper()
+    width, (across, down) = width_of(text, LETTERS), area.size.tolist()
+    x, y = area.corner + np.array([min(0.75, (across - width) / 2), min(0.5, (down - LETTERS) / 2)], np.float32)
+    return strokes(text, (float(x) + width / 2, float(y) + LETTERS / 2), LETTERS)
 
 
 def _sign(shape: Shape) -> list[Line]:
-    """An arrow, and the number of its words: there are no letters for the others."""
+    """An arrow, and the number of its words: how far away."""
     if not isinstance(shape, Arrow):
         return []
     way = (shape.end - shape.start) / np.linalg.norm(shape.end - shape.start)

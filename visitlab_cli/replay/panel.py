@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from visitlab_cli.pictures.words import width_of
 from visitlab_cli.scene.colours import FACING_FIELD, VISUAL_FIELD, shares
 from visitlab_cli.scene.scene import Scene
 from visitlab_cli.scene.shapes import Area, Arrow, Body, Line, Polygon, Role, Shape, Sight, Speech, Vectors
@@ -55,7 +56,18 @@ def _draw_area(shape: Area, axes: "Axes") -> None:
     if shape.style.width:
         axes.plot(*shape.outline.T, color="0.55", linewidth=0.5, zorder=2)
     x, y = shape.corner
-    axes.text(x + 0.4, y + 0.35, shape.text, fontsize=LETTERS, color="0.6", va="top")
+    cell = _inches_a_cell(axes)
+    name = shape.name(lambda words: width_of(words, LETTERS) / cell, margin=0.9)
+    axes.text(x + 0.4, y + 0.35, name, fontsize=LETTERS, color="0.6", va="top")
+
+
+def _inches_a_cell(axes: "Axes") -> float:
+    """How large a cell is drawn."""
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    sides = axes.get_position().size * figure.get_size_inches()
+    cells = [abs(high - low) for low, high in (axes.get_xlim(), axes.get_ylim())]
+    return float(min(side / n for side, n in zip(sides, cells, strict=True)))
 
 
 @_draw.register(Polygon)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from visitlab_cli.errors import RunError, UsageError
 from visitlab_cli.origin import METADATA
+from visitlab_cli.pictures.words import width_of
 from visitlab_cli.replay import panel
 from visitlab_cli.same_pictures import same_pictures
 from visitlab_cli.scene.colours import (
@@ -22,10 +23,12 @@ from visitlab_cli.scene.colours import (
 )
 from visitlab_cli.scene.moments import left_out, moments, strip_steps
 from visitlab_cli.scene.scene import Scene
-from visitlab_cli.scene.shapes import Role
+from visitlab_cli.scene.shapes import Body, Role
 from visitlab_cli.scene.trial import Trial, load_trial
-from visitlab_cli.scene.words import LEVEL_NAMES, action_name, direction_name
+from visitlab_cli.scene.words import LEVEL_NAMES, action_name, direction_name, shut_in
 from visitlab_cli.whole_file import write_again
+from visitlab_cli.wording import few
+from visitlab_cli.world.sight import Walls
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -33,9 +36,15 @@ if TYPE_CHECKING:
 COLUMNS = 4
 PANEL, TITLE, GAP = 1.72, 0.3, 0.06
 """In inches: the side of a panel, the height of its title, what lies between; four fill a page of two columns."""
+CORNERS = ((0.97, 0.03, "right"), (0.03, 0.03, "left"))
+"""Where a panel names its moments: x and y as shares of it, and the side of the words that is there."""
+MOMENT_LINE, AROUND = 0.11, 0.9
+"""In inches: a line of these; in cells: what robot and human need around them."""
 KEY_GAP, KEY_LINE, KEY_ENTRY, KEY_LETTER = 0.06, 0.14, 0.35, 0.052
 """In inches: what is above the lines that explain colours, the height of one, an entry but its letters, a letter."""
 FONT_SIZE = 6.5
+MOST_DOORS = 4
+"""So many shut doors are named."""
 IN_ONE_CELL = "both in one cell"
 PIXELS_PER_INCH = 300
 ENDINGS = (".png", ".svg", ".pdf")
@@ -75,16 +84,17 @@ def draw_strip(trial: Trial, steps: Sequence[int]) -> "Figure":
     columns = min(COLUMNS, len(steps))
     rows = -(-len(steps) // columns)
     width = columns * (PANEL + GAP) + GAP
-    handles = _key(trial)
+    scene = Scene(trial)
+    handles = _key(scene, steps)
     widths = [KEY_ENTRY + KEY_LETTER * len(handle.get_label()) for handle in handles]
     entries = len(handles) if sum(widths) <= width else min(len(handles), max(1, int(width / max(widths))))
     missing = left_out(trial.steps, steps, trial.lab)
     key = KEY_GAP + KEY_LINE * (-(-len(handles) // entries) + bool(missing))
-    scene = Scene(trial)
     (left, right), (upper, lower) = scene.view
     panel_height = PANEL * min(1.0, (lower - upper) / (right - left))
     height = rows * (panel_height + TITLE + GAP) + GAP + key
     figure = Figure(figsize=(width, height))
+    walled = trial.has_rooms and isinstance(trial.lab.walls, Walls)
     grid = figure.subplots(rows, columns, squeeze=False)
     top, bottom = 1 - (TITLE + GAP) / height, (GAP + key) / height
     figure.subplots_adjust(left=GAP / width, right=1 - GAP / width, top=top, bottom=bottom)
@@ -95,9 +105,16 @@ def draw_strip(trial: Trial, steps: Sequence[int]) -> "Figure":
         panel.draw(axes, scene, step)
         axes.spines[:].set(linewidth=0.4, color="0.5")
         kinds = ", ".join(kind for at, kind in moments(trial.steps, trial.lab) if at == step)
-        axes.text(0.97, 0.03, kinds, transform=axes.transAxes, ha="right", weight="bold", zorder=7)
-        if scene.share_a_cell(step):
-            axes.text(0.97, 0.12, IN_ONE_CELL, transform=axes.transAxes, ha="right", zorder=7)
+        shared = [IN_ONE_CELL] if scene.share_a_cell(step) else []
+        wide = max(width_of(kinds, FONT_SIZE, "bold"), *(width_of(words, FONT_SIZE) for words in (*shared, "")))
+        high = MOMENT_LINE * (1 + len(shared))
+        x, y, side = _free_corner(scene, step, (wide / PANEL, high / panel_height))
+        look: Any = {"transform": axes.transAxes, "ha": side, "zorder": 7}
+        if kinds and walled:
+            look["bbox"] = {"boxstyle": "square,pad=0.15", "facecolor": "white", "alpha": 0.8, "linewidth": 0}
+        axes.text(x, y, kinds, weight="bold", **look)
+        for words in shared:
+            axes.text(x, y + 0.09, words, **look)
         title, below = title_of(trial, step)
         axes.set_title(f"{title}\n{below}", fontsize=FONT_SIZE, loc="left", pad=2.5, linespacing=1.15)
     if missing:
@@ -108,11 +125,35 @@ def draw_strip(trial: Trial, steps: Sequence[int]) -> "Figure":
     return figure
 
 
-def _key(trial: Trial) -> list[Any]:
-    """What the colours are, as far as the trial has them."""
+def _free_corner(scene: Scene, step: int, size: tuple[float, float]) -> tuple[float, float, str]:
+    """Where words of a size lie, and which of their sides: the first corner of a panel with nobody in, of `CORNERS`.
+
+    All are in shares of the panel, from its lower left.
+    """
+    (left, right), (upper, lower) = scene.view
+    taken = [
+        ((float(x) - left) / (right - left), (lower - float(y)) / (lower - upper))
+        for body in scene.moment(step)
+        if isinstance(body, Body)
+        for x, y in (body.place, body.tip)
+    ]
+
+    def is_free(x: float, y: float, side: str) -> bool:
+        begin, base = (x - size[0] if side == "right" else x), (y if y < 0.5 else y - 0.02)
+        near = AROUND / (right - left)
+        across, down = (begin - near, begin + size[0] + near), (base - near, base + size[1] + near)
+        return not any(across[0] < at < across[1] and down[0] < height < down[1] for at, height in taken)
+
+    return next((corner for corner in CORNERS if is_free(*corner)), CORNERS[0])
+
+
+def _key(scene: Scene, steps: Sequence[int]) -> list[Any]:
+    """What the colours are, as far as these steps have them."""
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
+    trial = scene.trial
+    shown = {shape.role for step in steps for shape in scene.moment(step)} | {shape.role for shape in scene.place()}
     body: Any = {"linestyle": "", "markersize": 4.6, "markeredgecolor": "k", "markeredgewidth": 0.4}
     handles: list[Any] = [Line2D([], [], marker="s", color=shares(ROBOT), label="robot", **body)]
     if trial.has_human:
@@ -121,23 +162,30 @@ def _key(trial: Trial) -> list[Any]:
             Patch(facecolor=shares(VISUAL_FIELD), alpha=panel.NEAR_ALPHA, label="the human sees (and farther)"),
             Patch(facecolor=shares(FACING_FIELD), alpha=panel.NEAR_ALPHA, label="it faces"),
         ]
-    if trial.has_engagement:
+    if Role.DESIRED in shown:
         handles.append(Line2D([], [], color=shares(DESIRED), linewidth=1.6, label="desired direction"))
-    if trial.has_plan:
-        square: Any = {"linestyle": "", "marker": "s", "markersize": 5, "markerfacecolor": "none"}
-        handles.append(Line2D([], [], markeredgecolor=shares(ROBOT), label="where the plan wants the robot", **square))
-        handles.append(Line2D([], [], markeredgecolor=shares(HUMAN), label="where the plan wants the human", **square))
-    if trial.has_goal:
+    square: Any = {"linestyle": "", "marker": "s", "markersize": 5, "markerfacecolor": "none"}
+    for who, role, colour in (("robot", Role.WANTED_ROBOT, ROBOT), ("human", Role.WANTED_HUMAN, HUMAN)):
+        if role in shown:
+            label = f"where the plan wants the {who}"
+            handles.append(Line2D([], [], markeredgecolor=shares(colour), label=label, **square))
+    if Role.GOAL in shown:
         handles.append(Patch(facecolor=shares(GOAL_FLOOR), label="goal"))
-    if any(shape.role == Role.SHUT for shape in Scene(trial).place()):
-        handles.append(Line2D([], [], color=shares(SHUT), linewidth=1.6, label="shut door"))
-    if trial.plays.counts_goals:
+    if Role.SHUT in shown:
+        shut = few(shut_in(trial.steps, trial.lab), MOST_DOORS)
+        handles.append(Line2D([], [], color=shares(SHUT), linewidth=1.6, label=f"shut door: {shut}"))
+    if Role.REACHED in shown:
         handles.append(Patch(facecolor=shares(REACHED_FLOOR), label="just reached"))
     return handles
 
 
 def _start(trial: Trial) -> str:
-    return ", ".join(filter(None, ("the start", trial.phase)))
+    """How the first panel is called: with all of what its phase is, as far as that is not too long."""
+    if not trial.phase:
+        return "the start"
+    short = f"the start, {trial.phase.split(' (')[0]}"
+    words = (f"the start, {trial.phase}", trial.phase)
+    return next((each for each in words if width_of(f"0: {each}", FONT_SIZE) <= PANEL), short)
 
 
 def title_of(trial: Trial, step: int) -> tuple[str, str]:

@@ -1,5 +1,6 @@
 """The best recorded trial of each visit, as plain values that the page plays."""
 
+import json
 import math
 from collections.abc import Sequence
 from pathlib import Path
@@ -15,8 +16,9 @@ from visitlab_cli.results.varying import BETWEEN, Varying, varying
 from visitlab_cli.scene.moments import moments
 from visitlab_cli.scene.scene import Scene
 from visitlab_cli.scene.shapes import Area, Arrow, Body, Line, Role, Shape, Sight, Speech, Vectors
+from visitlab_cli.scene.sight import FACES, SEES
 from visitlab_cli.scene.trial import Trial
-from visitlab_cli.scene.words import Steps, captions
+from visitlab_cli.scene.words import Steps, captions, shut_in
 from visitlab_cli.storage.cell_folder import STEPS, read_cell
 from visitlab_cli.world.enums import N_DIRECTIONS
 
@@ -24,6 +26,8 @@ MOST_TRIALS = 12
 """A page plays the best trials of so many visits at most, in the order of the config."""
 MOST_STEPS = 1_000
 """A page plays so many steps of a trial at most."""
+LETTER, NAME_MARGIN = 0.43, 0.7
+"""In cells: how wide a letter of a room's name is, and what is free on both sides of it."""
 COLUMNS = ("interaction_level", "distance", "goal_room", "reward")
 """What is told of a step beside what is drawn."""
 
@@ -83,7 +87,10 @@ def _plain(run: Path, name: str, cell: Cell, number: int, reward: float) -> dict
 
 
 def plain_place(trial: Trial) -> dict[str, Any]:
-    """What stays as it is in a trial: rooms and solid cells as x, y, width, height, rooms with their name; lines."""
+    """What stays as it is in a trial: rooms and solid cells as x, y, width, height; lines; which doors are shut.
+
+    Rooms with their name, whether they are outlined, and what of the name is written.
+    """
     shapes = Scene(trial).place()
     areas = [shape for shape in shapes if isinstance(shape, Area)]
     boxes = {role: [each for each in areas if each.role == role] for role in (Role.FLOOR, Role.ROOM, Role.SOLID)}
@@ -91,11 +98,15 @@ def plain_place(trial: Trial) -> dict[str, Any]:
     lines = [shape for shape in shapes if isinstance(shape, Line)]
     return {
         "size": floor.size.tolist(),
-        "rooms": [[*_numbers(each), each.text, bool(each.style.width)] for each in boxes[Role.ROOM]],
+        "rooms": [
+            [*_numbers(each), each.text, bool(each.style.width), each.name(_width_of, NAME_MARGIN)]
+            for each in boxes[Role.ROOM]
+        ],
         "solid": [_numbers(each) for each in boxes[Role.SOLID]],
+        "closed": shut_in(trial.steps, trial.lab),
         **{
             name: [line.points.tolist() for line in lines if line.role == role]
-            for name, role in (("tiles", Role.TILE), ("walls", Role.WALL), ("shut", Role.SHUT))
+            for name, role in (("tiles", Role.TILE), ("open", Role.OPEN), ("walls", Role.WALL), ("shut", Role.SHUT))
         },
     }
 
@@ -104,18 +115,27 @@ def plain_scene(trial: Trial) -> dict[str, Any]:
     """The shapes of a visit by their role, one a step; what each says by its step.
 
     Bodies as x, y, heading, scale; sight as x, y, heading, radius; the desired direction as x, y, heading, length;
-    rooms as x, y, width, height, None where none was just reached.
+    rooms as x, y, width, height, None where none was just reached. Where there are walls `cells` has for each step
+    which of `seen` it is: rows of cells as x, y, number, those that are seen and those that are faced.
     """
     told: dict[str, Any] = {str(role): [] for role in (Role.ROBOT, Role.HUMAN, Role.SIGHT, Role.DESIRED, Role.GOAL)}
     told |= {str(Role.REACHED): [], str(Role.ROBOT_SAYS): {}, str(Role.HUMAN_SAYS): {}}
+    seen: dict[str, int] = {}
     for step, shapes in enumerate(Scene(trial).moments()):
         for shape in shapes:
+            if isinstance(shape, Sight) and shape.walled:
+                cells = json.dumps([shape.rows_of_cells(SEES), shape.rows_of_cells(FACES)])
+                told.setdefault("cells", []).append(seen.setdefault(cells, len(seen)))
             if isinstance(shape, Speech):
                 told[shape.role][str(step)] = shape.text
             elif shape.role in told:
                 told[shape.role].append(_numbers(shape))
         told[Role.REACHED] += [None] * (step + 1 - len(told[Role.REACHED]))
-    return told
+    return told | ({"seen": list(map(json.loads, seen))} if seen else {})
+
+
+def _width_of(words: str) -> float:
+    return LETTER * len(words)
 
 
 def _numbers(shape: Shape) -> list[float]:

@@ -145,7 +145,9 @@ def _chart(groups: Sequence[Group], curves: list[Curve]) -> Chart:
 def _phases(settings: Experiment) -> list[tuple[int, str]]:
     unit = 1 if settings.counted_in == "trials" else settings.trial_steps
     ends = (int(end) * unit for end in np.cumsum(settings.phase_trials))
-    names = (": ".join(filter(None, (str(number), phase.met))) for number, phase in enumerate(settings.phases))
+    new = settings.changes_of_place
+    told = (", ".join(filter(None, (phase.met, place))) for phase, place in zip(settings.phases, new, strict=True))
+    names = (": ".join(filter(None, (str(number), words))) for number, words in enumerate(told))
     return list(zip(ends, names, strict=True))
 
 

@@ -10,14 +10,16 @@ function sector(radius, degrees) {
   return `M0,0 L${x.toFixed(3)},${(-y).toFixed(3)} A${radius},${radius} 0 0 1 ${x.toFixed(3)},${y.toFixed(3)} Z`;
 }
 
+const rowsOfCells = (rows) => rows.map(([x, y, cells]) => `M${x},${y}h${cells}v1h${-cells}z`).join("");
+
 class Lab {
   constructor(place) {
-    const { size: [width, height], tiles, rooms, solid, walls, shut } = place, { flag } = STORY;
+    const { size: [width, height], tiles, rooms, solid, open, walls, shut } = place, { flag } = STORY;
     this.place = place;
     const area = (kind) => svg("rect", { class: kind });
     [this.goal, this.reached] = [area("goal"), area("reached")];
     this.flag = svg("g", { class: "flag" }, svg("polygon", { class: "cloth", points: points(flag.cloth) }), svg("polyline", { class: "pole", points: points(flag.pole) }));
-    this.names = rooms.map(([x, y, , , name]) => svg("text", { class: "room", x: x + 0.45, y: y + 1.05 }, name));
+    this.names = rooms.map(([x, y, , , , , name]) => svg("text", { class: "room", x: x + 0.45, y: y + 1.05 }, name));
     this.trails = { robot: svg("polyline", { class: "trail robot" }), human: svg("polyline", { class: "trail human" }) };
     this.desired = svg("path", { class: "desired" });
     this.sight = svg("g", {}, svg("path", { class: "sees" }), svg("path", { class: "faces" }));
@@ -30,8 +32,10 @@ class Lab {
     this.node = svg("svg", { class: "lab", viewBox: `-0.3 -0.3 ${width + 0.6} ${height + 0.6}`, role: "img", "aria-label": "The lab from above" },
       svg("rect", { class: "floor", width, height }), this.goal, this.reached,
       ...tiles.map((ends) => svg("polyline", { class: "tile", points: points(ends) })),
+      ...(rooms.some((room) => room[5]) ? [] : [svg("rect", { class: "wall", width, height })]),
       ...rooms.filter((room) => room[5]).map(([x, y, width, height]) => svg("rect", { class: "wall", x, y, width, height })), ...this.names,
       ...solid.map(([x, y, width, height]) => svg("rect", { class: "solid", x, y, width, height })),
+      ...open.map((ends) => svg("polyline", { class: "open", points: points(ends) })),
       ...walls.map((ends) => svg("polyline", { class: "parts", points: points(ends) })),
       ...shut.map((ends) => svg("polyline", { class: "shut", points: points(ends) })),
       this.flag, svg("svg", { class: "within", width, height }, this.sight), this.trails.human, this.trails.robot, this.desired, this.human, this.robot, this.bubbles.human, this.bubbles.robot);
@@ -54,9 +58,15 @@ class Lab {
     const [robot, human, sight] = [moving(scene.robot), moving(scene.human), moving(scene.sight)];
     put(this.robot, ...robot);
     put(this.human, ...human);
-    put(this.sight, ...sight.slice(0, 3));
-    this.sight.children[0].setAttribute("d", sector(sight[3], STORY.sees));
-    this.sight.children[1].setAttribute("d", sector(sight[3], STORY.faces));
+    if (scene.cells) { // between walls what is seen is told cell by cell
+      const [sees, faces] = scene.seen[scene.cells[step]];
+      this.sight.children[0].setAttribute("d", rowsOfCells([...sees, ...faces]));
+      this.sight.children[1].setAttribute("d", rowsOfCells(faces));
+    } else {
+      put(this.sight, ...sight.slice(0, 3));
+      this.sight.children[0].setAttribute("d", sector(sight[3], STORY.sees));
+      this.sight.children[1].setAttribute("d", sector(sight[3], STORY.faces));
+    }
     const [x, y, heading, length] = scene.desired[step];
     put(this.desired, x - scene.sight[step][0] + sight[0], y - scene.sight[step][1] + sight[1], heading * TURN);
     this.desired.setAttribute("d", `M0,0 H${length - 0.1} M${length - 0.55},-0.4 L${length},0 L${length - 0.55},0.4`);

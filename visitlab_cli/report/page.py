@@ -18,7 +18,7 @@ from visitlab_cli.report.marginal_table import marginal_means
 from visitlab_cli.report.markup import Html, element
 from visitlab_cli.report.results_table import results
 from visitlab_cli.report.sections import charts, head, repeat, trial, what_was_run
-from visitlab_cli.scene.colours import DESIRED, GOAL, HUMAN, LEVEL_COLOURS, ROBOT, css
+from visitlab_cli.scene.colours import DESIRED, GOAL, HUMAN, LEVEL_COLOURS, ROBOT, SHUT, css
 from visitlab_cli.scene.lab import CLOTH, FLAG_FOOT, POLE
 from visitlab_cli.scene.scene import TRAIL_STEPS
 from visitlab_cli.scene.sight import FACES_DEGREES, SEES_DEGREES
@@ -127,7 +127,13 @@ def _story() -> dict[str, Any]:
         "levels": list(zip(LEVEL_NAMES, map(css, LEVEL_COLOURS), strict=True)),
         "distances": DISTANCE_NAMES,
         "flag": {"cloth": CLOTH, "pole": POLE, "foot": FLAG_FOOT},
-        "colours": {"robot": css(ROBOT), "human": css(HUMAN), "goal": css(GOAL), "desired": css(DESIRED)},
+        "colours": {
+            "robot": css(ROBOT),
+            "human": css(HUMAN),
+            "goal": css(GOAL),
+            "desired": css(DESIRED),
+            "shut": css(SHUT),
+        },
         "sees": SEES_DEGREES,
         "faces": FACES_DEGREES,
         "trail": TRAIL_STEPS,

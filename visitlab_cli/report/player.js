@@ -41,6 +41,7 @@ class Player {
       seen("robot", "square", STORY.colours.robot), seen("human", "round", STORY.colours.human),
       seen(`what it sees and, greener, faces (drawn up to ${this.trials[0].scene.sight[0][3]} cells; sight goes on, but never through a wall)`, "sight"),
       seen("goal room", "square", STORY.colours.goal), seen("where the human should go", "square", STORY.colours.desired),
+      ...(this.trials.some((trial) => trial.place.closed.length) ? [seen("shut door", "square", STORY.colours.shut)] : []),
       ...STORY.levels.map(([name, colour]) => seen(name, "level", colour)));
   }
 
@@ -54,8 +55,9 @@ class Player {
     this.last = shown;
     this.slider.max = shown;
     const cut = shown < steps ? `; its first ${shown.toLocaleString("en")} of ${steps.toLocaleString("en")} steps` : "";
+    const { closed } = this.trial.place, doors = closed.length ? `; doors shut: ${closed.join(", ")}` : "";
     this.about.replaceChildren(
-      breakable(`${this.trial.cell}, trial ${this.trial.trial}: ${this.trial.goals} goals in ${steps.toLocaleString("en")} steps${cut}.`));
+      breakable(`${this.trial.cell}, trial ${this.trial.trial}: ${this.trial.goals} goals in ${steps.toLocaleString("en")} steps${cut}${doors}.`));
     this.line.setAttribute("viewBox", `0 0 ${shown + 1} 10`);
     this.line.replaceChildren(
       ...columns.interaction_level.map((level, i) => svg("rect", { x: i, y: 0, width: 1.05, height: 7, fill: STORY.levels[level][1] })),

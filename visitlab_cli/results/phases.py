@@ -22,15 +22,17 @@ FIRST = 20
 class PhaseResult(NamedTuple):
     """A phase of a group: means over independent units of the reward a trial.
 
-    `begins` is the number of its first trial, `trials` how many it has. `first` is of its first trials, `rest` of the
-    others (None where there are none). `change` is the first trials less the rest of the phase before, or all of it
-    where it has no rest. `met_before` is the phase in which its human was first met, and `again` the first trials of
-    this one less as many of that: what was kept of an old friend. Differences are of the same robots, so paired.
+    `place` says in words what of its lab and doors is another than in the phase before. `begins` is the number of its
+    first trial, `trials` how many it has. `first` is of its first trials, `rest` of the others (None where there are
+    none). `change` is the first trials less the rest of the phase before, or all of it where it has no rest.
+    `met_before` is the phase in which its human was first met, and `again` the first trials of this one less as many
+    of that: what was kept of an old friend. Differences are of the same robots, so paired.
     """
 
     group: Group
     phase: int
     human: str
+    place: str
     begins: int
     trials: int
     first: Estimate
@@ -49,6 +51,7 @@ class PhaseResult(NamedTuple):
             "point": dict(self.group.point),
             "phase": self.phase,
             "human": self.human or None,
+            **({"place": self.place} if self.place else {}),
             "first_trial": self.begins,
             "trials": self.trials,
             "measure": self.group.measure,
@@ -102,6 +105,7 @@ def _of_group(run: Path, group: Group, first: int) -> list[PhaseResult]:
     rewards = [np.mean([trials_of(run, cell)["reward"] for cell in members], axis=0) for members in units.values()]
     parts = [np.split(of_unit, ends[:-1]) for of_unit in rewards]  # by unit, then phase
     met: dict[str, int] = {}
+    places = settings.changes_of_place
     found = []
     for number, phase in enumerate(settings.phases):
         own = [each[number] for each in parts]
@@ -113,6 +117,7 @@ def _of_group(run: Path, group: Group, first: int) -> list[PhaseResult]:
                 group,
                 number,
                 phase.met,
+                places[number],
                 int(ends[number] - lengths[number]),
                 lengths[number],
                 mean_of([float(each[:first].mean()) for each in own]),

@@ -15,6 +15,7 @@ INK: Colour = (45, 45, 50)
 FLOOR: Colour = (246, 246, 244)
 WALL: Colour = (120, 120, 125)
 SHUT: Colour = (150, 75, 20)
+OPEN: Colour = (200, 200, 198)
 TILE: Colour = (222, 222, 220)
 
 LEVEL_COLOURS: tuple[Colour, ...] = (

@@ -2,10 +2,11 @@
 
 import numpy as np
 
-from visitlab_cli.scene.colours import FLAG, FLOOR, GOAL_FLOOR, INK, REACHED_FLOOR, SHUT, TILE, WALL
+from visitlab_cli.scene.colours import FLAG, FLOOR, GOAL_FLOOR, INK, OPEN, REACHED_FLOOR, SHUT, TILE, WALL
 from visitlab_cli.scene.shapes import Area, Line, Polygon, Role, Shape, Style, Vectors
 from visitlab_cli.scene.words import room_name
-from visitlab_cli.world.lab import ALL_OPEN, SOLID, Lab, Wall, box_of, is_box, runs, shut_doors, walls_of
+from visitlab_cli.world.lab import ALL_OPEN, SOLID, Lab, Wall, borders_of, box_of, is_box, runs, shut_doors, walls_of
+from visitlab_cli.world.sight import Walls
 
 TILE_SIDE = 4
 """Of the tiles of an open floor, in cells; in the lab each cell is one."""
@@ -20,18 +21,30 @@ CLOTH = ((0.0, -1.9), (1.4, -1.4), (0.0, -0.9))
 def lab_shapes(lab: Lab, open_doors: int = ALL_OPEN) -> list[Shape]:
     """The lab: its floor of cells, its rooms, each as the largest rectangle in it, its walls, the doors that are shut.
 
-    Of a room that is no rectangle the outline is left to the walls.
+    A lab without walls has its rooms outlined, those that are rectangles; in others walls and doors part them, and a
+    thin line where they pass into each other.
     """
-    outline = [Style(WALL, 0.12 if is_box(lab, room) else 0.0) for room in range(lab.n_rooms)]
+    walled = isinstance(lab.walls, Walls)
+    outline = [Style(WALL, 0.12 if is_box(lab, room) and not walled else 0.0) for room in range(lab.n_rooms)]
     rooms = [_room(lab, Role.ROOM, room, style, room_name(lab, room)) for room, style in enumerate(outline)]
     solid = [
         Area(Role.SOLID, _vector(begin, row), _vector(end - begin, 1), Style(WALL))
         for row, cells in enumerate(lab.rooms == SOLID)
         for begin, end in runs(cells)
     ]
+    passed = borders_of(lab, open_doors) if walled else []
+    open_borders = [_line(Role.OPEN, border, Style(OPEN, 0.06)) for border in passed]
     walls = [_line(Role.WALL, wall, Style(INK, WALL_WIDTH)) for wall in walls_of(lab)]
     shut = [_line(Role.SHUT, wall, Style(SHUT, DOOR_WIDTH)) for wall in shut_doors(lab, open_doors)]
-    return [_floor(lab.cols, lab.rows), *_tiles((0, lab.cols), (0, lab.rows), 1), *rooms, *solid, *walls, *shut]
+    return [
+        _floor(lab.cols, lab.rows),
+        *_tiles((0, lab.cols), (0, lab.rows), 1),
+        *rooms,
+        *solid,
+        *open_borders,
+        *walls,
+        *shut,
+    ]
 
 
 def arena_shapes(size: int, x_range: tuple[float, float], y_range: tuple[float, float]) -> list[Shape]:

@@ -12,6 +12,7 @@ from visitlab_cli.scene.trial import Trial
 from visitlab_cli.scene.view import sign_to, view_of
 from visitlab_cli.scene.words import GESTURES, executed, open_doors_in
 from visitlab_cli.world.enums import Action
+from visitlab_cli.world.sight import Walls
 
 COLOURS = {"robot": ROBOT, "human": HUMAN}
 BODIES = {"robot": Role.ROBOT, "human": Role.HUMAN}
@@ -105,11 +106,14 @@ class Scene:
         trial = self.trial
         row, col, heading = (int(trial.steps[f"human_{name}"][step]) for name in ("row", "col", "heading"))
         cells = cells_seen(row, col, heading, (trial.rows, trial.cols), trial.distances)
-        if trial.has_rooms:
+        walled = trial.has_rooms and isinstance(trial.lab.walls, Walls)
+        if walled:
             cells = cells * unwalled_around(trial.lab, row, col, open_doors_in(trial.steps))
         near = fields_around(trial.distances)[1]
         corner = np.array([col - REACH, row - REACH], np.float32)
-        return Sight(Role.SIGHT, self._places["human"][step], heading, corner, cells, near, float(trial.distances[-1]))
+        return Sight(
+            Role.SIGHT, self._places["human"][step], heading, corner, cells, near, float(trial.distances[-1]), walled
+        )
 
 
 def _arrow(role: Role, place: Vectors, way: Vectors, ends: tuple[float, float], style: Style) -> Arrow:

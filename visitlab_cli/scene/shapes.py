@@ -4,6 +4,7 @@ x goes eastwards and y southwards, in cells, from the north-western corner of th
 strip draws whatever there is; Rerun, Foxglove and the report draw the roles that they name.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
@@ -12,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from visitlab_cli.scene.colours import Colour
+from visitlab_cli.world.lab import runs
 
 Vectors = npt.NDArray[np.floating[Any]]
 """Points or ways: x and y in the last axis."""
@@ -26,6 +28,7 @@ class Role(StrEnum):
     SOLID = "solid"
     WALL = "wall"
     SHUT = "shut door"
+    OPEN = "open border"
     GOAL = "goal"
     REACHED = "reached"
     POLE = "pole"
@@ -61,6 +64,11 @@ class Area:
     size: Vectors
     style: Style
     text: str = ""
+
+    def name(self, width_of: Callable[[str], float], margin: float = 0.0) -> str:
+        """Its text, or where that is too wide its last word, or nothing; `width_of` words is in cells."""
+        room = float(self.size[0]) - margin
+        return next((words for words in (self.text, self.text.split(" ")[-1]) if width_of(words) <= room), "")
 
     @property
     def outline(self) -> Vectors:
@@ -122,7 +130,8 @@ class Sight:
     """What a human at `place` sees: sectors around `ahead`, or the cells around it.
 
     `cells` are `sight.NOTHING`, `SEES` or `FACES`, of shape (rows, cols) from `corner` on, nothing outside of the
-    world; `near` tells which are at a distance to interact, up to `radius` cells.
+    world; `near` tells which are at a distance to interact, up to `radius` cells. Where there are walls (`walled`) the
+    cells alone say what is seen.
     """
 
     role: Role
@@ -132,6 +141,18 @@ class Sight:
     cells: npt.NDArray[np.uint8]
     near: npt.NDArray[np.bool_]
     radius: float
+    walled: bool = False
+
+    def rows_of_cells(self, kind: int) -> list[tuple[int, int, int]]:
+        """The cells of a class within the radius, as x and y of rows of cells side by side, and their number."""
+        rows, cols = self.cells.shape
+        y, x = (
+            np.arange(n) + corner + 0.5 - at
+            for n, corner, at in zip((rows, cols), self.corner[::-1], self.place[::-1], strict=True)
+        )
+        inside = (self.cells == kind) & (np.hypot(y[:, None], x) <= self.radius)
+        left, top = map(int, self.corner)
+        return [(left + begin, top + row, end - begin) for row in range(rows) for begin, end in runs(inside[row])]
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ import yaml
 
 from visitlab_cli.agents.base import Setting
 from visitlab_cli.agents.declared import floats
-from visitlab_cli.config.names import PAPER_LAB, module
+from visitlab_cli.config.names import PAPER_LAB, changes_of_place, module
 from visitlab_cli.errors import RunError, VisitlabError
 from visitlab_cli.log.reader import check_values, read_attachment, read_metadata, read_trial
 from visitlab_cli.log.schema import CONFIG_NAME
@@ -154,15 +154,20 @@ def load_trial(path: Path, number: int) -> Trial:
 
 
 def phase_in_words(steps: Steps, experiment: Mapping[str, Any]) -> str:
-    """Which phase a trial is of, and whom it meets: 'phase 1 (human_2)'; empty where there are no phases.
+    """Which phase a trial is of, whom it meets, what is new of lab and doors: 'phase 1 (human_2, lab shut)'.
+
+    Empty where there are no phases.
 
     `experiment` is as the config of the log has it, as plain values.
     """
     if "phase" not in steps:
         return ""
     number = int(steps["phase"][0])
-    with contextlib.suppress(LookupError, TypeError):
-        return f"phase {number} ({experiment['phases'][number]['human']})"
+    with contextlib.suppress(LookupError, TypeError, AttributeError, ValueError):
+        phases, lab = experiment["phases"], experiment.get("lab", PAPER_LAB)
+        places = changes_of_place(lab, [(phase.get("lab", lab), phase.get("doors", {})) for phase in phases])
+        told = ", ".join(filter(None, (phases[number].get("human", ""), places[number])))
+        return f"phase {number} ({told})" if told else f"phase {number}"
     return f"phase {number}"
 
 

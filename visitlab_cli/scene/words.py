@@ -6,7 +6,7 @@ from typing import Any
 import numpy.typing as npt
 
 from visitlab_cli.world.enums import DISTANCE_NAMES, N_DIRECTIONS, N_MOVES, Action, Direction, InteractionLevel
-from visitlab_cli.world.lab import ALL_OPEN, Lab, room_names, sees
+from visitlab_cli.world.lab import ALL_OPEN, Lab, names_of_shut, room_names, sees
 
 Steps = Mapping[str, npt.NDArray[Any]]
 """The columns of one trial, from its step 0 on: for each name of the log an array of shape (steps + 1,)."""
@@ -104,7 +104,7 @@ def captions(steps: Steps, lab: Lab) -> list[str]:
 
 def caption(steps: Steps, step: int, lab: Lab) -> str:
     """What happens in a step in `lab`: 'says hello; the human faces it and now follows it with its gaze'."""
-    parts = [_begins(steps) if step == 0 else action_name(steps, step)]
+    parts = [_begins(steps, lab) if step == 0 else action_name(steps, step)]
     if "human_row" in steps:
         parts.append(_human(steps, step, lab))
     if step > 0 and steps["reward"][step] > 0:
@@ -112,8 +112,10 @@ def caption(steps: Steps, step: int, lab: Lab) -> str:
     return "; ".join(parts)
 
 
-def _begins(steps: Steps) -> str:
-    return f"the trial begins, in phase {steps['phase'][0]}" if "phase" in steps else "the trial begins"
+def _begins(steps: Steps, lab: Lab) -> str:
+    phase = [f"in phase {steps['phase'][0]}"] if "phase" in steps else []
+    shut = shut_in(steps, lab)
+    return ", ".join(["the trial begins", *phase, *([f"doors shut: {', '.join(shut)}"] if shut else [])])
 
 
 def _physical(steps: Steps, step: int, action: int) -> str:
@@ -177,6 +179,11 @@ def believed(steps: Steps, step: int) -> str:
 def open_doors_in(steps: Steps) -> int:
     """The doors that are open in a trial."""
     return int(steps["open_doors"][0]) if "open_doors" in steps else ALL_OPEN
+
+
+def shut_in(steps: Steps, lab: Lab) -> list[str]:
+    """The names of the doors of `lab` that are shut in a trial."""
+    return names_of_shut(lab, open_doors_in(steps))
 
 
 def in_sight(steps: Steps, step: int, lab: Lab) -> bool:

@@ -5,8 +5,9 @@ after the other; that one table holds the borders, the walls and the rule for di
 walls back: `doors` says which doors a unit step needs open, one bit a door, and a scene says which ones are.
 """
 
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from functools import cache
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
@@ -54,10 +55,15 @@ class Lab(NamedTuple):
 
 
 class _About(NamedTuple):
-    """What kernels need not know of a lab: its rooms' names, and which may be goals."""
+    """What kernels need not know of a lab: its rooms' names, which may be goals, and its doors' names.
+
+    `doors` are those that a scene may shut, `closed` those that are shut for good: what these part, (rows, cols, 8).
+    """
 
     names: tuple[str, ...]
     goals: tuple[int, ...]
+    doors: tuple[str, ...]
+    closed: Mapping[str, npt.NDArray[np.bool_]]
 
 
 _about: dict[Lab, _About] = {}
@@ -100,6 +106,8 @@ def make_lab(
     starts: npt.ArrayLike | None = None,
     goals: Sequence[int] | None = None,
     letters: str = "",
+    named: Sequence[str] = (),
+    closed: Mapping[str, Iterable[Pair]] = MappingProxyType({}),
 ) -> Lab:
     """A lab of `rows` x `cols` cells with a wall between each pair of straight neighbours in `walls`.
 
@@ -114,6 +122,8 @@ def make_lab(
         starts: in which cells a trial may begin, shape (rows, cols); in all that are not solid if not given.
         goals: the rooms that may be goals, all if not given.
         letters: the name of each room, a letter; "" where they have numbers only.
+        named: the names of `doors`; their places if not given.
+        closed: by their names the doors that are shut for good, which are walls to all but those who draw or tell.
 
     Raises:
         ValueError: a wall does not lie between two neighbouring cells, or there are too many doors.
@@ -122,7 +132,8 @@ def make_lab(
         raise ValueError(f"at most {MOST_DOORS} doors can be shut, not {len(doors)}")
     plan = np.zeros((rows, cols), np.int64) if rooms is None else np.array(rooms, np.int64).reshape(rows, cols)
     n_rooms = int(plan.max()) + 1
-    barred = crossing(rows, cols, walls)
+    kept_shut = {name: crossing(rows, cols, pairs) for name, pairs in closed.items()}
+    barred = np.logical_or.reduce([crossing(rows, cols, walls), *kept_shut.values()])
     passable = inside(rows, cols) & ~barred
     needed = np.zeros((rows, cols, N_DIRECTIONS), np.int64)
     for number, leaves in enumerate(doors):
@@ -140,7 +151,8 @@ def make_lab(
         NoWalls() if is_open else Walls(sight, np.flatnonzero(begin)),
     )
     names = tuple(letters) or tuple(map(str, range(n_rooms)))
-    _about[lab] = _About(names, tuple(range(n_rooms)) if goals is None else tuple(goals))
+    may_be_shut = tuple(named) or tuple(map(str, range(len(doors))))
+    _about[lab] = _About(names, tuple(range(n_rooms)) if goals is None else tuple(goals), may_be_shut, kept_shut)
     return lab
 
 
@@ -183,8 +195,8 @@ class Wall(NamedTuple):
 
 
 def walls_of(lab: Lab) -> list[Wall]:
-    """What parts cells for good, as lines as long as they are straight; the lab's outer border is left out."""
-    parted = lab.reach == 0
+    """What parts cells for good and is no door, as lines as long as straight; the lab's outer border is left out."""
+    parted = (lab.reach == 0) & ~shut_steps(lab, ALL_OPEN)
     solid = lab.rooms == SOLID
     east = parted[:, :-1, Direction.EAST] & ~(solid[:, :-1] & solid[:, 1:])
     south = parted[:-1, :, Direction.SOUTH] & ~(solid[:-1] & solid[1:])
@@ -192,11 +204,33 @@ def walls_of(lab: Lab) -> list[Wall]:
 
 
 def shut_doors(lab: Lab, open_doors: int) -> list[Wall]:
-    """The doors that are shut while only `open_doors` are open, as lines."""
-    if not isinstance(lab.doors, Doors):
-        return []
-    shut = (lab.doors.needed & ~np.int64(open_doors)) != 0
+    """The doors that are shut while only `open_doors` are open, and those shut for good, as lines."""
+    shut = shut_steps(lab, open_doors)
     return _lines(shut[:, :-1, Direction.EAST], shut[:-1, :, Direction.SOUTH])
+
+
+def borders_of(lab: Lab, open_doors: int) -> list[Wall]:
+    """Where rooms pass into each other while `open_doors` are open, as lines."""
+    free = (lab.reach > 0) & ~shut_steps(lab, open_doors)
+    east = free[:, :-1, Direction.EAST] & (lab.rooms[:, :-1] != lab.rooms[:, 1:])
+    south = free[:-1, :, Direction.SOUTH] & (lab.rooms[:-1] != lab.rooms[1:])
+    return _lines(east, south)
+
+
+def shut_steps(lab: Lab, open_doors: int) -> npt.NDArray[np.bool_]:
+    """Whether a unit step crosses one of these doors: shape (rows, cols, 8)."""
+    shut = np.zeros(lab.reach.shape, np.bool_)
+    for crossed in _about[lab].closed.values():
+        shut |= crossed
+    if isinstance(lab.doors, Doors):
+        shut |= (lab.doors.needed & ~np.int64(open_doors)) != 0
+    return shut
+
+
+def names_of_shut(lab: Lab, open_doors: int) -> list[str]:
+    """The names of these doors, in order."""
+    about = _about[lab]
+    return sorted([*about.closed, *(name for door, name in enumerate(about.doors) if not open_doors >> door & 1)])
 
 
 def _lines(east: npt.NDArray[np.bool_], south: npt.NDArray[np.bool_]) -> list[Wall]:

@@ -114,7 +114,7 @@ class Layout:
         return make_lab(
             self.rows,
             self.cols,
-            self._walls([door for door in closed if door not in toggling]),
+            self._walls(),
             [self.doors[door] for door in toggling],
             self.rooms,
             chances=list(toggling.values()),
@@ -122,9 +122,11 @@ class Layout:
             starts=self.within_reach(never),
             goals=self.goals(corridor, never),
             letters=self.letters,
+            named=list(toggling),
+            closed={door: self.doors[door] for door in closed if door not in toggling},
         )
 
-    def _walls(self, closed: Collection[str]) -> Iterator[Pair]:
+    def _walls(self, closed: Collection[str] = ()) -> Iterator[Pair]:
         opened = {frozenset(pair) for door, pairs in self.doors.items() if door not in closed for pair in pairs}
         yield from (pair for pair in self._borders(solid=True) if frozenset(pair) not in opened)
 
