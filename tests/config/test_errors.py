@@ -259,8 +259,8 @@ ONE_LINE = [
     (
         "task: visit",
         "task: visit\n    controller: nonsense",
-        "18:17: experiments.visit.controller: must be paper, lead, route, mask or plan, or a list of route, mask, plan and "
-        "lead",
+        "17:17: experiments.visit.controller: must be paper, lead, route, mask or plan, or a list of route, mask, plan "
+        "and lead",
     ),
 ]
 

@@ -80,7 +80,9 @@ class Log(NamedTuple):
         """
         recorded = self.trials_in(phase)
         begins, count = int(recorded[0]), int(recorded[-1] - recorded[0]) + 1
-        with contextlib.suppress(LookupError, TypeError):  # of another writer, whose config may say nothing
+        with contextlib.suppress(
+            LookupError, TypeError, ValueError, ArithmeticError
+        ):  # of another writer, whose config may say nothing
             trials = phase_trials_of_log(self.path)
             begins, count = sum(trials[:phase]), trials[phase]
         if nth >= count:

@@ -173,7 +173,7 @@ def phase_trials_of_log(path: Path) -> list[int]:
     """How many trials each phase of a log has, recorded or not, as the config says that the log carries.
 
     Raises:
-        LookupError, TypeError: it says none.
+        LookupError, TypeError, ValueError, ArithmeticError: it says none.
     """
     experiment = config_of_log(path)["experiments"][read_metadata(path)["cell"].split("/")[0]]
     return [
