@@ -89,3 +89,9 @@ def test_an_action_that_there_is_not(action):
     random = task.random(0)
     with pytest.raises(UsageError, match=f"^action {action}: navigation has 0 to 24$"):
         task.step(task.begin(random), action, random)
+
+
+@pytest.mark.parametrize("lab", [5, ["AAaB"], 0.5])
+def test_what_is_no_lab_is_told_as_such(lab):
+    with pytest.raises(UsageError, match="lab: must be a mapping, as under labs in a config, or a map"):
+        visitlab_cli.make_task("navigation", lab=lab)

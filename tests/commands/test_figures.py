@@ -45,7 +45,13 @@ def test_json(copy):
 def test_a_run_with_nothing_to_draw(copy):
     done = visitlab("figures", copy, "--only", "fig7", "--only", "fig9")
     assert (done.returncode, done.stdout) == (5, "")
-    assert done.stderr == f"{copy}: holds nothing for fig7, fig9; configs/paper/ has what each needs\n"
+    assert done.stderr == f"{copy}: holds nothing for fig7, fig9; configs/paper/ has what each of the paper's needs\n"
+    done = visitlab("figures", copy, "--only", "doors")
+    needed = (
+        "a training of navigation with recorded steps, a phase of which has a lab with other doors than the one before"
+    )
+    line = f"{copy}: holds nothing for doors; doors needs {needed}, as in configs/beyond/doors.yaml\n"
+    assert (done.returncode, done.stderr) == (5, line)
     assert not (copy / "figures").exists()
 
 

@@ -227,7 +227,7 @@ BAD = [
     (
         ["run", "nope.yaml"],
         5,
-        f"nope.yaml: no such file, nor a shipped config; shipped: {SHIPPED} and parts of paper/",
+        f"nope.yaml: no such file, nor a shipped config; shipped: {SHIPPED} and those in beyond/ and paper/",
     ),
     (["run", "quickstrat"], 5, "quickstrat: no such file, nor a shipped config; did you mean quickstart?"),
     (["run", TINY, "sedes=2"], 3, "override 'sedes=2': sedes: unknown; did you mean seeds?"),

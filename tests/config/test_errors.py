@@ -256,6 +256,12 @@ ONE_LINE = [
         "name: lab\nexpected: {visit/human_2: {value: 1, tolerance: -1}}",
         "2:49: expected.visit/human_2.tolerance: must be at least 0 (got -1)",
     ),
+    (
+        "task: visit",
+        "task: visit\n    controller: nonsense",
+        "17:17: experiments.visit.controller: must be paper, lead, route, mask or plan, or a list of route, mask, plan "
+        "and lead",
+    ),
 ]
 
 

@@ -130,7 +130,7 @@ SHIPPED = ", ".join(name for name in shipped_configs() if "/" not in name)
     [
         (
             "nix.yaml",
-            f"nix.yaml: no such file, nor a shipped config; shipped: {SHIPPED} and parts of paper/",
+            f"nix.yaml: no such file, nor a shipped config; shipped: {SHIPPED} and those in beyond/ and paper/",
         ),
         ("quikstart", "quikstart: no such file, nor a shipped config; did you mean quickstart?"),
         ("quickstart\n", "'quickstart\\n': no such file"),

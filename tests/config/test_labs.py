@@ -85,6 +85,50 @@ def test_a_map_in_a_file_is_as_its_text_wherever_the_file_lies(tmp_path, monkeyp
         load(file)
 
 
+def test_of_a_map_that_can_not_be_read_nothing_else_is_said(folder, complaint):
+    labs = "labs:\n  house: {map: house.txt, corridor: Z}\n  shut: {like: house, closed: [AZ]}\n"
+    phases = "phases: [{trials: 1, human: human_2, lab: shut}, {trials: 1, human: human_2, doors: {BZ: 0.1}}]"
+    text = LAB.replace("task: visit", "task: visit\n    lab: house\n    goal_rooms: [A, C]").replace(
+        "humans: [human_2]\n", f"{phases}\n"
+    )
+    missing = "lab.yaml:2:16: labs.house.map: house.txt: no such file or directory"
+    assert complaint(labs + text) == [missing]
+    wrong = labs.replace("[AZ]", "[A]").replace("corridor: Z", "corridor: ZZ")
+    told = complaint(wrong + text.replace("lab: shut", "lab: shtu"))
+    assert [line.split(": ")[1] for line in told] == [
+        "labs.house.map",
+        "labs.house.corridor",
+        "labs.shut.closed.0",
+        "experiments.visit.phases.0.lab",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("written", "line"),
+    [
+        ("m", "fewer than two rooms; a goal must have another one to follow it; 'm' is read as the map itself; is a"),
+        ("house", "'house' is read as the map itself; is a file meant? its name has a dot or a slash"),
+        ("ab, corridor: Z", "no room is called Z; there are A, B; 'ab' is read as the map itself; is a file meant?"),
+        ("''", "must be a map, or the file in which it is (got '')"),
+        ('"AAabBB AAabBB\\n"', "no such file or directory; for a map as text write | before it"),
+    ],
+)
+def test_what_is_no_map_is_told_what_it_was_read_as(complaint, written, line):
+    (told,) = complaint(f"labs:\n  house: {{map: {written}}}\n{LAB}")
+    assert line in told
+
+
+def test_a_map_that_an_override_names_lies_where_the_user_is(folder, loaded, complaint, monkeypatch):
+    (folder / "maps").mkdir()
+    (folder / "maps" / "two.txt").write_text("ab\n")
+    text = f"labs:\n  house: {{map: AAaB}}\n{LAB}"
+    assert loaded(text, ["labs.house.map=maps/two.txt"]).labs["house"].map == "ab"
+    monkeypatch.chdir(folder / "maps")
+    assert load(folder / "lab.yaml", ["labs.house.map=two.txt"]).labs["house"].map == "ab"
+    with pytest.raises(ConfigError, match="labs.house.map: maps/two.txt: no such file"):
+        load(folder / "lab.yaml", ["labs.house.map=maps/two.txt"])
+
+
 WRONG_MAPS = {
     "ragged": ("AAB\nAB", "7:9", "2 cells; the first row has 3"),
     "another letter": ("AAB\nA?B", "7:8", "'?'; a cell is a letter, its room's, or #, solid"),

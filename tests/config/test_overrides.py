@@ -28,6 +28,18 @@ def test_each_override_is_an_edit(loaded: Load) -> None:
     assert config.experiments["navigation"].agents == ("rmax", "mf", "chance")
 
 
+def test_null_leaves_a_key_out(loaded: Load, complaint: Complain) -> None:
+    phases = "experiments.visit.phases=[{trials: 2, human: human_1}]"
+    told = complaint(overrides=[phases])
+    assert [line.partition(": ")[2] for line in told] == [
+        "experiments.visit.humans: stands in the phases; leave it out"
+    ]
+    assert loaded(overrides=[phases, "experiments.visit.humans=null"]).experiments["visit"].n_trials == 2
+    assert "script" not in loaded(overrides=["agents.script=null"]).agents
+    assert complaint(overrides=["experiments.visit.modules=null"])[0].endswith("experiments.visit.modules: missing")
+    assert complaint(overrides=["sedes=null"])[0].endswith("sedes: unknown; did you mean seeds?")
+
+
 def test_the_last_override_of_a_key_wins(loaded: Load) -> None:
     assert loaded(overrides=["seed=1", "seed=2"]).seed == 2
 

@@ -8,9 +8,16 @@ import pytest
 from visitlab_cli.agents.greedy_table import GreedyTable
 from visitlab_cli.agents.uniform_random import UniformRandom
 from visitlab_cli.config.experiments import GoToHumanTraining, NavigationTraining, SocialTraining
+from visitlab_cli.config.labs import lab_called
+from visitlab_cli.config.loading import load, load_text
 from visitlab_cli.exact.go_to_human import go_to_human_motion, go_to_human_optimum, go_to_human_random
 from visitlab_cli.exact.motion import optimal_sums
-from visitlab_cli.exact.navigation import navigation_optimal_q, navigation_optimum, navigation_random
+from visitlab_cli.exact.navigation import (
+    navigation_discounted,
+    navigation_optimal_q,
+    navigation_optimum,
+    navigation_random,
+)
 from visitlab_cli.exact.social import optimum, random_reward
 from visitlab_cli.exact.values import Possible, exact_values, possible
 from visitlab_cli.humans.six_parameters import SixParameters
@@ -101,9 +108,49 @@ def test_what_is_possible_in_an_experiment():
     assert possible(social.model_copy(update={"arena": 20}), human=human) is None
 
 
+SMALL = """
+name: small
+labs:
+  two: {map: AAabBB}
+  three: {map: AAabBbcCC, corridor: B}
+humans: {h: {p_S: [0, 0, 1]}}
+agents: {mb: {kind: model_based}}
+experiments:
+  navigation: {task: navigation, agents: [mb], lab: two, trial_steps: 4, steps: 40}
+  go_to_human: {task: go_to_human, agents: [mb], lab: two, steps: 40}
+  social: {task: social, agents: [mb], humans: [h], arena: 20, steps: 40}
+interaction: {distances: [1, 2, 3, 5]}
+"""
+
+
+def test_a_configs_labs_have_the_values_that_its_trainings_are_measured_by():
+    config = load_text(SMALL, "small.yaml")
+    lines, unknowns = exact_values(0.9, config, ["two", "three"], ["h"])
+    found = {(line.lab, line.task, line.success, line.measure): (line.optimal, line.random) for line in lines}
+    navigation = possible(config.experiments["navigation"])
+    assert found["two", "navigation", "", "reward of a trial of 4 steps"] == navigation
+    go_to_human = possible(config.experiments["go_to_human"], (1, 2, 3, 5))
+    assert found["two", "go_to_human", "facing", "reward of a trial of 20 steps"] == go_to_human
+    assert {(lab, task) for lab, task, _, _ in found} == {
+        (lab, task) for lab in ("two", "three") for task in ("navigation", "go_to_human")
+    }
+    assert unknowns == ["social, h: the human may meet the border of an arena of 20 cells in 20 steps"]
+
+
+def test_the_discounted_value_is_of_the_starts_and_goals_of_a_lab():
+    three = lab_called("three", load_text(SMALL, "small.yaml").labs)
+    best, random = navigation_discounted(0.5, three)
+    goals = [room for room in range(3) if room != 1]
+    assert best == pytest.approx(navigation_optimal_q(0.5, three).max(1).reshape(3, -1)[goals].mean())
+    assert 0 < random < best
+    assert navigation_discounted(0.5)[0] == pytest.approx(navigation_optimal_q(0.5).max(1).mean())
+
+
 @pytest.mark.slow
 def test_the_list_holds_the_three_trainings_and_the_papers_humans():
-    lines = exact_values(0.9)
+    config = load("paper")
+    lines, unknowns = exact_values(0.9, config, ["paper"], list(config.humans))
+    assert not unknowns
     assert {line.task for line in lines} == {"navigation", "go_to_human", "social"}
     social = {line.human: round(line.optimal, line.digits) for line in lines if line.task == "social"}
     assert social == {"human_1": 12.44, "human_2": 9.83, "human_3": 6.32, "human_2_pointing": 8.75}

@@ -1,5 +1,8 @@
 """Phases: one agent lives through all of them, and only what a phase says changes."""
 
+import json
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -7,6 +10,7 @@ from tests.oracle.checker import best_directions_of, check_log, greedy_moves_of
 from tests.oracle.grid import Grid
 from tests.program import hashes, only_cells, the_run, visitlab
 from visitlab_cli.config.loading import load_text
+from visitlab_cli.errors import NotFoundError
 from visitlab_cli.execution.build import build
 from visitlab_cli.execution.cell_runner import saved_model, simulate
 from visitlab_cli.log.reader import iter_steps, read_metadata, read_steps, read_trial
@@ -14,7 +18,9 @@ from visitlab_cli.log.schema import schema_bytes
 from visitlab_cli.plan.cells import plan
 from visitlab_cli.plan.evaluation import Evaluation
 from visitlab_cli.plan.saved import trials_of, unsound
+from visitlab_cli.plan.selection import Selection
 from visitlab_cli.random_numbers import random_state
+from visitlab_cli.replay.choice import Log, Logs, choose_trial
 from visitlab_cli.storage.arrays import read_model, read_trials
 from visitlab_cli.world.tasks import columns_of
 
@@ -205,6 +211,26 @@ def test_more_seeds_later_and_a_damaged_table(run, tmp_path):
     assert list(trials_of(run, other)["phase"][:21]) == [0] * 20 + [1]  # as it was played
 
 
+@pytest.mark.parametrize("command", ["steps", "replay"])
+def test_a_number_is_counted_within_its_phase_and_not_beyond(run, command):
+    save = ["--save", run.parent / "trial.rrd"] if command == "replay" else []
+    done = visitlab(command, run, "--phase", "1", "--trial", "14", "--json", *save)
+    assert (done.returncode, json.loads(done.stdout)["trial"]) == (0, 34), done.stderr
+    done = visitlab(command, run, "--phase", "1", "--trial", "15", *save)
+    assert (done.returncode, done.stdout) == (5, "")
+    assert done.stderr.endswith("/steps.mcap: --trial 15: phase 1 has trials 0 to 14\n")
+
+
+def test_who_is_met_in_turn_is_chosen_by_phases():
+    cells = plan(load_text(filled(), "phases.yaml"))
+    for selection in (Selection("visit", "still"), Selection("visit", "fast"), Selection("social", "fast")):
+        with pytest.raises(NotFoundError, match="is met in phases there: use --human phases, or --phase N"):
+            selection.of(Path("run"), cells)
+    assert {cell.experiment for cell in Selection(human="still").of(Path("run"), cells)} == {"on"}  # met alone
+    with pytest.raises(NotFoundError, match="no human stil; did you mean still?"):
+        Selection("visit", "stil").of(Path("run"), cells)
+
+
 def test_an_evaluation_with_a_human_of_its_own_has_no_phases():
     config = load_text(filled(), "phases.yaml")
     (cell,) = plan(config, Evaluation(humans=("still",)))
@@ -221,6 +247,10 @@ def test_thinned_logs_keep_their_phases(tmp_path):
     steps = read_steps(file)
     assert read_metadata(file)["one_trial_in"] == "7"
     np.testing.assert_array_equal(steps["phase"], np.repeat([0, 1, 2], [20, 15, 20])[steps["trial"]])
+    logs = Logs((Log(file, str(file)),))
+    assert [choose_trial(logs, "1", 1).trial, choose_trial(logs, "14", 1).trial] == [21, 34]  # from its first, 20
+    with pytest.raises(NotFoundError, match="phase 1 has trials 0 to 14"):
+        choose_trial(logs, "15", 1)
 
 
 @pytest.mark.parametrize(

@@ -14,6 +14,7 @@ from visitlab_cli.report.curves import batch_edges, charts_of
 from visitlab_cli.report.differences import two_learners
 from visitlab_cli.report.making import gather, make_report
 from visitlab_cli.report.page import render
+from visitlab_cli.report.sections import what_was_run
 from visitlab_cli.results.curves import in_batches
 from visitlab_cli.results.estimates import Estimate
 from visitlab_cli.results.expected import Result
@@ -290,3 +291,27 @@ def test_the_same_run_gives_the_same_bytes_wherever_it_lies(tiny_run, tiny_page,
     assert make_report(moved).read_bytes() == tiny_page.read_bytes()
     assert read_config(moved).name in tiny_page.read_text()
     assert not [file for file in moved.iterdir() if file.name.startswith(".")]
+
+
+IN_A_LAB = """
+  swap:
+    task: visit
+    lab: house
+    controller: [route, mask]
+    learns: [social, navigation]
+    modules: {navigation: walk/mb, go_to_human: go_to_human/mb, social: social/mb/slow}
+    phases: [{trials: 2, human: slow}, {trials: 3, human: fast, lab: shut, doors: {AC: 0.5}}]
+  walk: {task: navigation, agents: [mb], lab: house, steps: 400}
+labs:
+  house: {map: "AAabBB\\naAABBb\\ncCCCCc"}
+  shut: {like: house, closed: [AB]}
+"""
+
+
+def test_what_was_run_says_lab_controller_and_phases(tmp_path):
+    run, _ = open_lab(tmp_path, more=IN_A_LAB)
+    told = what_was_run(gather(run).facts, "What was run").replace("<wbr>", "")
+    visit = "lab: house; controller: route, mask; learns: social, navigation; phase 0: trials 2, human slow; phase 1: "
+    assert visit + "trials 3, lab shut, doors AC 0.5, human fast<" in told
+    assert "reach the goal room and stay there; lab: house<" in told
+    assert "lead a human from goal room to goal room with the trained modules<" in told  # the other one, as by default

@@ -66,7 +66,7 @@ def write_cell(run, cell, rewards, seconds=2.0):
         "versions": VERSIONS,
     }
     with NewCell(run, cell.path) as new:
-        write_trials(new.folder / TRIALS, rewards, with_goals=cell.task == VISIT)
+        write_trials(new.folder / TRIALS, rewards, cell.task == VISIT, cell.settings.phase_trials)
         write_model(new.folder / MODEL, untrained(cell))
         new.commit(facts, {"seconds": seconds})
 

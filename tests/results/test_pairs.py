@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from tests.results.runs_by_hand import open_lab, reach
+from tests.results.runs_by_hand import open_lab, reach, write_cell
 from visitlab_cli.errors import NotFoundError, UsageError
 from visitlab_cli.results.pairs import compare_by, compare_runs
 
@@ -135,6 +135,77 @@ def test_humans_whose_visits_both_depend_on_what_varies_are_compared_at_each_val
         (f"visit mb {at}0.0", "slow", "fast"),
         (f"visit mb {at}0.5", "slow", "fast"),
     ]
+
+
+LEAD = """
+  leading:
+    task: visit
+    modules: {navigation: navigation/mb, go_to_human: go_to_human/mb, social: social/mb/slow}
+    controller: lead
+    humans: [slow]
+  own_map:
+    task: visit
+    modules: {navigation: navigation/mb, go_to_human: go_to_human/mb, social: social/mb/slow}
+    controller: plan
+    humans: [fast, slow]
+    trials: 40
+  masked:
+    task: visit
+    modules: {navigation: navigation/mf, go_to_human: go_to_human/mb, social: social/mb/slow}
+    humans: [slow]
+"""
+
+
+def test_visits_are_compared_each_with_the_first_of_the_same_agents_and_human(tmp_path):
+    run, cells = open_lab(tmp_path, more=LEAD)
+    numbers = {"leading/slow": [1, 2, 3], "own_map/slow": [2, 4, 6], "visit/slow": [0, 0, 0], "masked/slow": [1, 1, 1]}
+    numbers |= {"own_map/fast": [9, 9, 9], "navigation/mb": [1, 1, 1]}
+    plan = reach(run, cells, {path: n for name, each in numbers.items() for path, n in values(name, each).items()})
+    compared = compare_by(run, plan, "experiment")
+    assert [(pair.where, pair.first.name, pair.second.name) for pair in compared.pairs] == [
+        ("slow", "visit", "masked"),
+        ("slow", "leading", "own_map"),
+    ]
+    assert [(pair.paired, pair.n, pair.difference.mean) for pair in compared.pairs] == [(True, 3, 1.0), (True, 3, 2.0)]
+    assert compared.alone == ["own_map/fast"]
+
+
+def test_of_several_visits_all_are_compared_with_the_first_at_each_point_of_a_grid(tmp_path):
+    more = LEAD.replace("navigation/mf", "navigation/mb") + "vary: {agents.mb.epsilon: [0.1, 0.2]}\n"
+    run, cells = open_lab(tmp_path, more=more)
+    names = [f"{visit}/slow/agents.mb.epsilon={e}" for visit in ("leading", "own_map", "masked") for e in (0.1, 0.2)]
+    plan = reach(run, cells, {path: n for name in names for path, n in values(name, [1, 2]).items()})
+    assert [(pair.where, pair.second.name) for pair in compare_by(run, plan, "experiment").pairs] == [
+        (f"slow agents.mb.epsilon={e}", visit) for e in (0.1, 0.2) for visit in ("own_map", "masked")
+    ]
+
+
+PHASED = """
+  swap:
+    task: visit
+    modules: {navigation: navigation/mf, go_to_human: go_to_human/mb, social: social/mb/slow}
+    phases: [{trials: 2, human: slow}, {trials: 3, human: fast}]
+  swap_none:
+    task: visit
+    social_reward: none
+    modules: {navigation: navigation/mf, go_to_human: go_to_human/mb, social: social/mb/slow}
+    phases: [{trials: 2, human: slow}, {trials: 3, human: fast}]
+"""
+
+
+def test_visits_with_phases_are_compared_phase_by_phase(tmp_path):
+    run, cells = open_lab(tmp_path, seeds=1, more=PHASED)
+    for name, rewards in (("swap", [1, 3, 0, 0, 3]), ("swap_none", [5, 5, 2, 2, 2])):
+        write_cell(run, cells[f"{name}/phases/seed-0000"], rewards)
+    plan = list(cells.values())
+    pairs = compare_by(run, plan, "experiment").pairs
+    assert [(pair.where, pair.first.mean, pair.difference.mean, pair.part) for pair in pairs] == [
+        ("slow phase 0", 2.0, 3.0, "all of the phase"),
+        ("fast phase 1", 1.0, 1.0, "all of the phase"),
+    ]
+    assert {pair.as_json()["measure"] for pair in pairs} == {"goals a trial, all of the phase"}
+    with pytest.raises(UsageError, match="the run has no such key; known: agent, human, experiment, phase$"):
+        compare_by(run, plan, "fooled")
 
 
 @pytest.mark.parametrize("key", ["agent", "experiments.visit.modules.social"])

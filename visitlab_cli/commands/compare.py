@@ -46,7 +46,7 @@ def command(
         str | None,
         typer.Option(
             metavar="KEY",
-            help="Compare agents, humans, phases, or a setting that varies: agent, human, phase, its path.",
+            help="What is compared: agent, human, experiment (visits), phase, or the path of a setting that varies.",
             autocompletion=completion.varied,
         ),
     ] = None,
@@ -62,7 +62,7 @@ def command(
     out: Out = RUNS,
     as_json: Json = False,
 ) -> None:
-    """Compare a run with every published curve, with another run, or --by agent, human, phase or a setting that varies.
+    """Compare a run with every published curve, with another run, or --by agent, human, experiment, phase or setting.
 
     With a curve: agrees, differs or undecided, and why; causes are looked for in all runs of the folder that RUN
     lies in, and in each --variant. Else: difference with 95% interval, seeds, probability of improvement.

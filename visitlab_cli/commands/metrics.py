@@ -1,8 +1,13 @@
 """`visitlab metrics`: what the interactions of a run were like."""
 
+from typing import Annotated
+
+import typer
+
+from visitlab_cli.console import completion
 from visitlab_cli.console.help import Help
 from visitlab_cli.console.metrics import metrics_table
-from visitlab_cli.console.options import FIRST_TRIALS, RUNS, Agent, At, Experiment, First, Human, Json, Out, Run, Seed
+from visitlab_cli.console.options import FIRST_TRIALS, RUNS, Agent, At, First, Human, Json, Out, Run, Seed
 from visitlab_cli.terminal import tell_json, tell_text
 
 HELP = Help(
@@ -17,7 +22,15 @@ HELP = Help(
 
 def command(
     run: Run,
-    experiment: Experiment = "",
+    experiment: Annotated[
+        str,
+        typer.Option(
+            "--experiment",
+            "-e",
+            help="Of this experiment; else of all social trainings and visits.",
+            autocompletion=completion.experiments,
+        ),
+    ] = "",
     human: Human = "",
     agent: Agent = "",
     seed: Seed = None,

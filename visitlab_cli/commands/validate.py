@@ -27,7 +27,10 @@ def command(
     ] = False,
     as_json: Json = False,
 ) -> None:
-    """Check a config: every error at once, each with its place; else what it would run."""
+    """Check a config: its errors together, each with its place; else what it would run.
+
+    What an entry refers to, and how its settings go together, is looked at once its own values are right.
+    """
     from visitlab_cli.config.canonical import canonical, config_hash, dump_yaml
     from visitlab_cli.config.labs import lab_called
     from visitlab_cli.config.loading import load

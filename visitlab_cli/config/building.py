@@ -12,7 +12,7 @@ from visitlab_cli.agents.base import AgentParameters
 from visitlab_cli.agents.registry import KINDS as AGENTS
 from visitlab_cli.config.canonical import canonical
 from visitlab_cli.config.like import resolve_like
-from visitlab_cli.config.map_files import with_maps
+from visitlab_cli.config.map_files import unread_maps, with_maps
 from visitlab_cli.config.messages import issues_of
 from visitlab_cli.config.model import Config
 from visitlab_cli.config.names import Name
@@ -131,7 +131,10 @@ def build(document: Node, problems: list[Problem], *, kept: bool = False) -> Con
     whole, issues, broken = resolve_like(document)
     config, found = check(whole.plain(), kept=kept)
     everything = [*problems, *(positioned(document, issue) for issue in issues)]
-    everything += [positioned(whole, issue) for issue in found if issue.path[:2] not in broken]
+    told = unread_maps(whole)
+    everything += [
+        positioned(whole, issue) for issue in found if issue.path[:2] not in broken and issue.path[:3] not in told
+    ]
     if not everything and config is not None:
         everything = [positioned(whole, issue) for issue in _otherwise_read_back(config, kept=kept)]
     if everything or config is None:

@@ -18,7 +18,7 @@ def _one_spelling(given: Any) -> Any:
     """`paper`, `lead` (with all that it implies), or the options in their order."""
     names = [given] if isinstance(given, str) else given
     if not isinstance(names, list | tuple) or not all(name in (PAPER, LEAD, *OPTIONS) for name in names):
-        raise ValueError("must be paper, lead, route, mask or plan, or a list of the last three")
+        raise ValueError("must be paper, lead, route, mask or plan, or a list of route, mask, plan and lead")
     if not names:
         raise ValueError("must not be empty; the paper's is called paper")
     if len(set(names)) < len(names):

@@ -49,5 +49,6 @@ def find(name: str | Path) -> Path:
         raise NotFoundError(f"{printable(str(name))}: no such file")
     near = nearest_name(str(path.with_suffix("")), shipped)
     main = [other for other in shipped if "/" not in other]
-    hint = f"; did you mean {near}?" if near else f"; shipped: {', '.join(main)} and parts of paper/"
+    folders = dict.fromkeys(f"{other.partition('/')[0]}/" for other in shipped if "/" in other)
+    hint = f"; did you mean {near}?" if near else f"; shipped: {', '.join(main)} and those in {' and '.join(folders)}"
     raise NotFoundError(f"{printable(str(name))}: no such file, nor a shipped config{hint}")

@@ -37,10 +37,19 @@ def is_map(text: str) -> bool:
 
 
 def _sound(text: str) -> str:
+    if not text.strip():
+        raise ValueError(f"must be a map, or the file in which it is (got {shown(text)})")
     found = map_faults(as_map(text))
     if found:
-        raise MapError(found)
+        raise MapError(
+            found if "\n" in as_map(text) else [found[0]._replace(message=found[0].message + _as_file(text))]
+        )
     return as_map(text)
+
+
+def _as_file(word: str) -> str:
+    """What a map of a single row may have been meant as."""
+    return f"; {shown(word)} is read as the map itself; is a file meant? its name has a dot or a slash"
 
 
 def _product(text: Any) -> Any:
@@ -139,6 +148,11 @@ class MapLab(LabSettings):
     def no_goals(self) -> str:
         """The corridor."""
         return self.corridor
+
+    def problems(self) -> list[tuple[str, str]]:
+        """As always; of a single row, that it may be no map."""
+        hint = "" if "\n" in self.map else _as_file(self.map)
+        return [(key, message + hint) for key, message in super().problems()]
 
 
 class RoomsLab(LabSettings):

@@ -1,6 +1,7 @@
 """The maps of labs that lie in files of their own: read, relative to the YAML that names them."""
 
 import os
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,13 +10,15 @@ from visitlab_cli.errors import ConfigError, NotFoundError
 from visitlab_cli.wording import printable
 from visitlab_cli.yaml.document import Node, Place
 from visitlab_cli.yaml.files import read_bytes
+from visitlab_cli.yaml.problems import Path as Keys
 from visitlab_cli.yaml.problems import Problem
 
 MOST_BYTES = 1 << 16
+FOLDED = "; for a map as text write | before it, which keeps its lines; > makes one of them"
 MOST_FILES = 256
 SECTION, MAP = "labs", "map"
-SOUND = "ab"
-"""A map without fault, in place of one that can't be read, which is told."""
+UNREAD = "\0"
+"""In place of a map that can't be read, which is told: no YAML holds it, and it is no map."""
 
 
 def with_maps(document: Node, problems: list[Problem]) -> Node:
@@ -31,15 +34,22 @@ def with_maps(document: Node, problems: list[Problem]) -> Node:
     )
 
 
+def unread_maps(document: Node) -> set[Keys]:
+    """Where a map stands that could not be read, which was told: nothing more is said of it."""
+    labs = document.value[SECTION].entries() if SECTION in document.value else {}
+    maps = ((name, lab.entries().get(MAP)) for name, lab in labs.items())
+    return {(SECTION, name, MAP) for name, found in maps if found is not None and found.value == UNREAD}
+
+
 def _with_map(name: str, lab: Node, problems: list[Problem]) -> Node:
     given = lab.entries().get(MAP)
-    if given is None or not isinstance(given.value, str) or is_map(given.value):
+    if given is None or not isinstance(given.value, str) or is_map(given.value) or not given.value.strip():
         return lab
     return lab.with_entries({**lab.value, MAP: _read(name, given, problems)})
 
 
 def _read(name: str, given: Node, problems: list[Problem]) -> Node:
-    """The map's text, whose lines stand in its file."""
+    """The map's text, whose lines stand in its file; an override's file is found from the current folder."""
     folder = Path(given.place.source).parent if given.place.line else Path()
     file = folder / os.path.expanduser(given.value)
     try:
@@ -47,7 +57,9 @@ def _read(name: str, given: Node, problems: list[Problem]) -> Node:
         text = content.decode("utf-8-sig")
     except (NotFoundError, ConfigError, UnicodeDecodeError) as error:
         why = f"{printable(str(file))}: not UTF-8" if isinstance(error, UnicodeDecodeError) else str(error)
+        if isinstance(error, NotFoundError) and re.fullmatch(r"[A-Za-z#]+( [A-Za-z#]+)*\s*", given.value):
+            why += FOLDED
         problems.append(Problem(given.place, (SECTION, name, MAP), why))
-        return replace(given, value=SOUND)
+        return replace(given, value=UNREAD)
     blank = len(text) - len(text.lstrip("\r\n"))
     return replace(given, value=text + "\n", text=Place(printable(str(file)), text[:blank].count("\n") + 1, 1))

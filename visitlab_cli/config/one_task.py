@@ -8,6 +8,7 @@ from visitlab_cli.config.experiment import Experiment
 from visitlab_cli.config.loading import load_text
 from visitlab_cli.errors import ConfigError, UsageError
 from visitlab_cli.humans.base import HumanParameters
+from visitlab_cli.wording import shown
 from visitlab_cli.world.columns import ENGAGEMENT
 from visitlab_cli.world.tasks import GO_TO_HUMAN, NAVIGATION, SOCIAL, TASKS, VISIT
 
@@ -47,6 +48,8 @@ def one_task(
         name: {"task": name, "agents": [AGENT]} for name in (NAVIGATION, GO_TO_HUMAN, SOCIAL)
     }
     experiments[SOCIAL] |= {"humans": [HUMAN]}
+    if lab is not None and not isinstance(lab, str | Mapping):
+        raise UsageError(f"lab: must be a mapping, as under labs in a config, or a map (got {shown(lab)})")
     labs: dict[str, Any] = {}
     if lab is not None:
         labs = {LAB: {"map": lab} if isinstance(lab, str) else dict(lab)}

@@ -29,6 +29,10 @@ def place_issues(path: Path, experiment: Any, experiments: Mapping[str, Any], la
     name, sound = experiment.lab_name, _sound(labs)
     if name not in (PAPER_LAB, *labs):
         yield Issue((*path, "lab"), unknown_lab(name, labs))
+    for number, phase in enumerate(experiment.phases):
+        said = getattr(phase, "lab", None)
+        if said and said not in (PAPER_LAB, *labs):
+            yield Issue((*path, PHASES, number, "lab"), unknown_lab(said, labs))
     if name not in (PAPER_LAB, *sound):
         return
     wrong = list(wrong_rooms(experiment.goal_rooms, name, sound)) if experiment.assembled else []
@@ -51,9 +55,6 @@ def _phase(path: Path, phase: Any, experiment: Any, labs: Labs, *, named: bool) 
     """What is wrong with the lab and the doors of a phase; `named`: the experiment's goal rooms are right there."""
     said, doors = getattr(phase, "lab", None), getattr(phase, "doors", None) or {}
     name, sound = said or experiment.lab_name, _sound(labs)
-    if name not in (PAPER_LAB, *labs):
-        yield Issue((*path, "lab"), unknown_lab(name, labs))
-        return
     if name not in (PAPER_LAB, *sound):
         return
     if _cells(name, sound) != _cells(experiment.lab_name, sound):

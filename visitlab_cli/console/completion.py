@@ -75,8 +75,8 @@ def words(*known: str) -> Callable[[str], list[str]]:
 
 
 def varied(ctx: typer.Context, incomplete: str) -> list[str]:
-    """What a run's conditions are compared by: agent, human, phase, the settings that vary."""
-    return _beginning(["agent", "human", "phase", *_declared(ctx, "vary")], incomplete)
+    """What a run's conditions are compared by: agent, human, experiment, phase, the settings that vary."""
+    return _beginning(["agent", "human", "experiment", "phase", *_declared(ctx, "vary")], incomplete)
 
 
 def _all_runs(ctx: typer.Context) -> list[Path]:

@@ -66,14 +66,18 @@ def tell_runs(first: Path, second: Path, as_json: bool) -> None:
 
 
 def _tell(told: dict[str, Any], pairs: "list[Pair]", notes: list[str], as_json: bool) -> None:
+    from visitlab_cli.results.pairs import LAST_TENTH, WHOLE_PHASE
+
     if as_json:
         whole = {**told, "confidence": 0.95, "notes": notes, "pairs": [pair.as_json() for pair in pairs]}
         tell_json(whole)
         return
+    told_of = {LAST_TENTH: "Last tenth of trials", WHOLE_PHASE: "All trials of each phase"}
+    counted = ", ".join(told_of[part] for part in dict.fromkeys(pair.part for pair in pairs))
     lines = [
         _table(pairs),
         "",
-        "Last tenth of trials; the second less the first with half its 95% interval (Student's t; Welch's, unpaired).",
+        f"{counted}; the second less the first with half its 95% interval (Student's t; Welch's, unpaired).",
         "Improves: the probability that a seed of the second is better than one of the first; a tie is half.",
         "Paired: the same modules, or the same random numbers, in both; n pairs. Else n is the smaller number.",
         "What counts is independent: visits of the same trained modules are averaged and count once.",

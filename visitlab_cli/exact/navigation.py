@@ -69,7 +69,9 @@ def navigation_optimal_q(gamma: float, lab: Lab | None = None) -> Table:
     return q
 
 
-@cache
-def navigation_random_discounted(gamma: float) -> float:
-    """The discounted value of uniformly random actions, mean over all states."""
-    return float(random_discounted(navigation_motion(), gamma).mean())
+def navigation_discounted(gamma: float, lab: Lab | None = None) -> tuple[float, float]:
+    """The discounted value of the best policy and of uniformly random actions, means over the starts of trials."""
+    lab = lab or paper_lab()
+    motion, starts = _to_goals(lab), starts_of(lab)
+    best = optimal_q(motion, gamma).max(axis=2)
+    return float(best[:, starts].mean()), float(random_discounted(motion, gamma)[:, starts].mean())

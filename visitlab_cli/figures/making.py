@@ -33,6 +33,14 @@ DRAW: dict[str, Callable[[Source], Drawing]] = {
 }
 NAMES = (*(name for name in DRAW if name.startswith("fig")), FIG_9, *(name for name in DRAW if name[:3] != "fig"))
 """All figures, also Fig. 9, which is drawn by whoever can draw a strip."""
+NEEDS = {
+    DOORS: "a training of navigation with recorded steps, a phase of which has a lab with other doors than the one "
+    "before, as in configs/beyond/doors.yaml",
+    GRID: "vary in the config",
+    PHASES: "an experiment with phases",
+    VISITS: "several visits without phases, as in configs/beyond/labs.yaml",
+}
+"""What a figure that is not one of the paper needs of a run."""
 
 
 class Made(NamedTuple):
@@ -70,7 +78,9 @@ def make_figures(
             check_inside(run, run / FIGURES)
         made = _make(source, strip, [name for name in NAMES if not only or name in only], kind, into or run / FIGURES)
     if not made.files:
-        raise NotFoundError(f"{run}: holds nothing for {', '.join(made.notes)}; configs/paper/ has what each needs")
+        needs = [f"{name} needs {need}" for name, need in NEEDS.items() if name in made.notes]
+        needs += ["configs/paper/ has what each of the paper's needs"] if made.notes.keys() - NEEDS else []
+        raise NotFoundError("; ".join([f"{run}: holds nothing for {', '.join(made.notes)}", *needs]))
     return made
 
 

@@ -1,10 +1,11 @@
 """Which cells of a run a user's words choose: by experiment, human, agent, seed, and values of what varies."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from visitlab_cli.config.grid import value_in_words
+from visitlab_cli.config.phases import PHASES
 from visitlab_cli.errors import NotFoundError, UsageError
 from visitlab_cli.plan.cells import Cell
 from visitlab_cli.wording import few, or_else, printable
@@ -52,6 +53,11 @@ class Selection:
         matching = [cell for cell in cells if self.matches(cell)]
         if matching:
             return matching
+        in_phases = replace(self, human=PHASES)
+        if any(in_phases.matches(cell) and cell.human == PHASES and self.human in cell.humans for cell in cells):
+            raise NotFoundError(
+                f"{run}: {self.human} is met in phases there: use --human {PHASES}, or --phase N where a command has it"
+            )
         for name in ("experiment", "human", "agent"):
             value, known = getattr(self, name), sorted({getattr(cell, name) for cell in cells} - {""})
             if value and value not in known:

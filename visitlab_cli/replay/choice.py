@@ -1,5 +1,6 @@
 """What a user's words choose: the logs of a run's cells, and the trial in them."""
 
+import contextlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,6 +13,7 @@ from visitlab_cli.errors import NotFoundError, RunError, UsageError
 from visitlab_cli.log.reader import read_steps, trials
 from visitlab_cli.plan.cells import Cell, plan
 from visitlab_cli.plan.selection import MOST_NAMED, Selection
+from visitlab_cli.scene.trial import phase_trials_of_log
 from visitlab_cli.storage.arrays import read_trials
 from visitlab_cli.storage.cell_folder import STEPS, TRIALS, read_cell, reason
 from visitlab_cli.storage.reading import check_damage
@@ -69,6 +71,23 @@ class Log(NamedTuple):
             last = int(steps["phase"].max())
             raise NotFoundError(f"{self.path}: has no recorded trial of phase {phase}; its phases are 0 to {last}")
         return np.unique(steps["trial"][steps["phase"] == phase]).astype(np.int64)
+
+    def nth_of(self, phase: int, nth: int) -> int:
+        """The number of a trial of a phase that is counted from the phase's first one, recorded or not.
+
+        Raises:
+            NotFoundError: there is no such phase, or it has fewer trials.
+        """
+        recorded = self.trials_in(phase)
+        begins, count = int(recorded[0]), int(recorded[-1] - recorded[0]) + 1
+        with contextlib.suppress(
+            LookupError, TypeError, ValueError, ArithmeticError
+        ):  # of another writer, whose config may say nothing
+            trials = phase_trials_of_log(self.path)
+            begins, count = sum(trials[:phase]), trials[phase]
+        if nth >= count:
+            raise NotFoundError(f"{self.path}: --trial {nth}: phase {phase} has trials 0 to {count - 1}")
+        return begins + nth
 
 
 @dataclass(frozen=True)
@@ -157,7 +176,7 @@ def choose_trial(logs: Logs, word: str, phase: int | None = None) -> Chosen:
     if word.isdecimal():
         if len(word) > MOST_DIGITS:
             raise NotFoundError(f"{log.path}: no log has a trial of that number")
-        number = int(word) + (0 if phase is None else int(log.trials_in(phase)[0]))
+        number = int(word) if phase is None else log.nth_of(phase, int(word))
         following = (*logs.first, *logs.others)[1:2]
         note = f"chose {log.cell} of {count} cells; the next is {following[0].cell}; {CHOOSE}" if following else ""
         return Chosen(log, number, note)

@@ -1,19 +1,23 @@
 """The parts of the page that stand around its table, curves and animation."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from visitlab_cli.config.canonical import dump_yaml
 from visitlab_cli.config.experiment import Experiment
 from visitlab_cli.config.grid import value_in_words
 from visitlab_cli.config.model import Config
+from visitlab_cli.config.phases import PHASES
 from visitlab_cli.report.curves import Chart
 from visitlab_cli.report.facts import Facts, counted
 from visitlab_cli.report.markup import Html, element
 from visitlab_cli.report.names import breakable
+from visitlab_cli.settings import as_yaml
 from visitlab_cli.storage.cell_folder import SOURCES
 
 WITHOUT_SCRIPT = "This part needs JavaScript."
+TOLD = ("lab", "observe", "belief", "controller", "told", "learns", "navigation_model")
+"""Settings of an experiment that are told where they are not as by default."""
 
 
 def section(name: str, title: str, *content: str | None) -> Html:
@@ -69,7 +73,7 @@ def _experiment(facts: Facts, name: str, settings: Experiment) -> Html:
         agents = [_agent(facts.config, each) for each in settings.trained]
         length = f"{counted(settings.n_steps, 'step')} in trials of {settings.trial_steps:,}"
     start = "" if settings.assembled else ", ".join("/".join(filter(None, each)) for each in settings.starts.values())
-    about = settings.plays.about + (f"; goes on from {start}" if start else "")
+    about = "; ".join([settings.plays.about, *([f"goes on from {start}"] if start else []), *_settings_told(settings)])
     lines = [line for line in facts.summaries if line.group.experiment == name]
     cells = f"{sum(line.done for line in lines):,} of {sum(len(line.group.cells) for line in lines):,}"
     return element(
@@ -80,6 +84,24 @@ def _experiment(facts: Facts, name: str, settings: Experiment) -> Html:
         element("td", length, data_label="Length"),
         element("td", cells, data_label="Cells"),
     )
+
+
+def _settings_told(settings: Experiment) -> Iterator[str]:
+    """What is said of it beside who plays, as a config says it: lab, controller, phases and the like."""
+    plain = as_yaml(settings)
+    for name in TOLD:
+        field = type(settings).model_fields.get(name)
+        if field is not None and getattr(settings, name) != field.default:
+            yield f"{name}: {_inner(plain[name])}"
+    for number, phase in enumerate(plain.get(PHASES, ()) if settings.phases else ()):
+        said = [f"{key} {_inner(value)}" for key, value in phase.items()]
+        yield f"phase {number}: {', '.join(said)}"
+
+
+def _inner(value: Any) -> str:
+    if isinstance(value, dict):
+        return " ".join(f"{key} {_inner(each)}" for key, each in value.items())
+    return ", ".join(map(str, value)) if isinstance(value, list | tuple) else value_in_words(value)
 
 
 def _agent(config: Config, name: str) -> str:

@@ -1,4 +1,4 @@
-"""Conditions two by two: agents, humans, values of a varied setting in a run, or the same condition in two runs.
+"""Conditions two by two: agents, humans, visits, values of a varied setting in a run, or the same in two runs.
 
 Seeds are paired where the same seed means the same luck: visits that play with the same trained modules, and the
 same cell of two runs with the same root seed, which draws the same random numbers. Other seeds are independent:
@@ -6,20 +6,27 @@ the random numbers of a cell depend on its path.
 """
 
 import json
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from functools import partial
 from itertools import combinations
 from pathlib import Path
 from statistics import fmean
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from visitlab_cli.errors import NotFoundError, UsageError
 from visitlab_cli.plan.cells import Cell
+from visitlab_cli.plan.saved import trials_of
 from visitlab_cli.results.estimates import Estimate, difference_of, mean_of, probability_of_improvement
-from visitlab_cli.results.groups import Group, Point, groups_of, unit_values
+from visitlab_cli.results.groups import Group, Measure, Point, groups_of, reached, unit_values
 from visitlab_cli.settings import as_yaml
+from visitlab_cli.storage.cell_folder import read_cell
 from visitlab_cli.wording import or_else
 
-AGENT, HUMAN = "agent", "human"
+AGENT, HUMAN, EXPERIMENT, PHASE = "agent", "human", "experiment", "phase"
+"""What conditions may differ in; what came of each phase is told by `results.phases`."""
+LAST_TENTH, WHOLE_PHASE = "last tenth", "all of the phase"
 Values = dict[str, float]
 """What each independent seed reached, by its name."""
 
@@ -60,12 +67,14 @@ class Pair(NamedTuple):
     condition: str = ""
     """Where they are compared but for the point of the grid, which is `same`."""
     same: Point = ()
+    part: str = LAST_TENTH
+    """Which trials count."""
 
     def as_json(self) -> dict[str, Any]:
         """Plain values."""
         return {
             "where": self.where,
-            "measure": f"{self.measure}, last tenth",
+            "measure": f"{self.measure}, {self.part}",
             "first": self.first.as_json(),
             "second": self.second.as_json(),
             "difference": self.difference.mean,
@@ -96,34 +105,42 @@ class _Member(NamedTuple):
     point: dict[str, str]
     own: set[str]
     reached: Values
+    part: str = LAST_TENTH
 
 
 def compare_by(run: Path, cells: Sequence[Cell], key: str) -> Compared:
-    """All pairs of conditions of a run that differ in `key` alone: agent, human, or a path that varies.
+    """All pairs of conditions of a run that differ in `key` alone: agent, human, experiment, or a path that varies.
 
     What varies of an agent or a human itself belongs to it: each of its settings is compared with each other agent
     or human. The agent of a visit is that of its social module, so that visits which differ in it alone are compared,
     whatever the experiments are called.
+
+    By experiment visits are compared, each with the first one of modules of the same agents and with the same human,
+    whatever else they have otherwise; with phases phase by phase.
 
     Raises:
         UsageError: the run has no such key.
         NotFoundError: nothing that is done differs in it.
     """
     groups = groups_of(cells)
-    known = [AGENT, HUMAN, *dict.fromkeys(path for group in groups for path, _ in group.point)]
+    known = [AGENT, HUMAN, EXPERIMENT, *([PHASE] if any(cell.settings.phases for cell in cells) else [])]
+    known += dict.fromkeys(path for group in groups for path, _ in group.point)
     if key not in known:
         raise UsageError(f"--by {key}: the run has no such key{or_else(key, known)}")
-    members = [each for group in groups if (each := _member(run, group, key)) is not None]
-    pairs, paired = [], set()
-    for first, second in combinations(members, 2):
-        place = _place(first, second, key)
+    members = [each for group in groups for each in _members(run, group, key)]
+    pairs, paired, seconds = [], set(), set()
+    for (_, first), (number, second) in combinations(enumerate(members), 2):
+        place = None if key == EXPERIMENT and number in seconds else _place(first, second, key)
         if place is not None:
             both = first.group, second.group
-            pairs.append(_pair(place, both, first.reached, second.reached, same_luck=True))
+            pair = _pair(place, both, first.reached, second.reached, same_luck=True)
+            pairs.append(pair._replace(part=first.part))
             paired |= {first.group.path, second.group.path}
+            seconds.add(number)
     if not pairs:
         raise NotFoundError(f"{run}: nothing that is done differs in {key} alone")
-    return Compared(pairs, [each.group.path for each in members if each.group.path not in paired])
+    alone = dict.fromkeys(each.group.path for each in members if each.group.path not in paired)
+    return Compared(pairs, list(alone))
 
 
 def compare_runs(first: tuple[Path, Sequence[Cell]], second: tuple[Path, Sequence[Cell]]) -> Compared:
@@ -152,12 +169,48 @@ def compare_runs(first: tuple[Path, Sequence[Cell]], second: tuple[Path, Sequenc
     return Compared(pairs, alone)
 
 
+def _members(run: Path, group: Group, key: str) -> Iterator[_Member]:
+    """A group seen by `key`: none, one, or by experiment one for each phase."""
+    if key == EXPERIMENT:
+        yield from _visits(run, group)
+    elif (member := _member(run, group, key)) is not None:
+        yield member
+
+
+def _visits(run: Path, group: Group) -> Iterator[_Member]:
+    """A visit, or each phase of it, where it is done."""
+    settings, own = group.cells[0].settings, {path for path in dict(group.point) if _belongs(path, group, EXPERIMENT)}
+    if not settings.assembled:
+        return
+    agents = [start.agent for start in settings.starts.values()]
+    trials = np.cumsum((0, *settings.phase_trials)).tolist()
+    parts: list[tuple[list[str], str, Measure]] = [
+        (
+            [phase.met, f"phase {number}"],
+            WHOLE_PHASE,
+            partial(_mean_of_trials, trials[number : number + 2]),
+        )
+        for number, phase in enumerate(settings.phases)
+    ]
+    for where, part, measure in parts or [([group.human], LAST_TENTH, reached)]:
+        if found := unit_values(run, group.cells, measure):
+            alike = json.dumps([agents, *where])
+            yield _Member(group, group.experiment, alike, where, dict(group.point), own, found, part)
+
+
+def _mean_of_trials(between: Sequence[int], run: Path, cell: Cell) -> float | None:
+    """Reward a trial from a trial to before another one; None where the cell is not finished."""
+    if read_cell(run / cell.path) is None:
+        return None
+    return float(trials_of(run, cell)["reward"][slice(*between)].mean())
+
+
 def _member(run: Path, group: Group, key: str) -> _Member | None:
     """A group seen by `key`; None where it has no value of it, or nothing that is done."""
     point = dict(group.point)
     value = {AGENT: group.agent, HUMAN: group.human}.get(key) or point.get(key, "")
-    reached = unit_values(run, group.cells) if value else {}
-    if not reached:
+    found = unit_values(run, group.cells) if value else {}
+    if not found:
         return None
     told_of_agent = key != AGENT and not _chooses_social(key, group)
     where = [word for word, told in ((group.agent, told_of_agent), (group.human, key != HUMAN)) if word and told]
@@ -165,7 +218,7 @@ def _member(run: Path, group: Group, key: str) -> _Member | None:
     if key == AGENT and settings.assembled:
         experiment = json.dumps(as_yaml(settings.with_any_agent().model_copy(update={"humans": ()})))
     own = {path for path in point if path == key or _belongs(path, group, key)}
-    return _Member(group, value, " ".join([experiment, *where]), where, point, own, reached)
+    return _Member(group, value, " ".join([experiment, *where]), where, point, own, found)
 
 
 class _Place(NamedTuple):
@@ -192,8 +245,8 @@ def _place(first: _Member, second: _Member, key: str) -> _Place | None:
     alone = [{path for path in each.point if path not in common} - each.own for each in (first, second)]
     if differ or any(alone):
         return None
-    experiments = "/".join(dict.fromkeys((first.group.experiment, second.group.experiment)))
-    condition = " ".join([experiments, *first.where])
+    experiments = [] if key == EXPERIMENT else [first.group.experiment, second.group.experiment]
+    condition = " ".join(filter(None, ["/".join(dict.fromkeys(experiments)), *first.where]))
     same = tuple((path, first.point[path]) for path in common if path not in compared)
     one, other = (
         (each.value, tuple((p, v) for p, v in each.point.items() if p != key and (p not in common or p in compared)))
@@ -207,7 +260,9 @@ def _told(name: str, point: Point) -> str:
 
 
 def _belongs(path: str, group: Group, key: str) -> bool:
-    """Whether what varies at a path is a part of the group's agent or human."""
+    """Whether what varies at a path is a part of the group's agent, human or experiment."""
+    if key == EXPERIMENT:
+        return path.startswith(f"experiments.{group.experiment}.")
     if key == HUMAN:
         return path.startswith(f"humans.{group.human}.")
     if key != AGENT:

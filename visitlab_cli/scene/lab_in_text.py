@@ -9,7 +9,7 @@ from visitlab_cli.world.lab import SOLID, Lab, box_of, open_at_first, room_names
 BESIDE = {"wall": "|", "shut": "!", "room": ":", "": " "}
 BELOW = {"wall": "_", "shut": "=", "room": ".", "": " "}
 """What parts two cells: a wall, a door that is shut, another room without a wall, nothing."""
-LEGEND = "| _ wall, ! = shut door, : . another room, # solid"
+LEGEND = "| and _: wall; ! and =: shut door; : and .: where another room begins, without a wall; #: solid"
 
 
 def lab_in_text(lab: Lab) -> str:

@@ -179,6 +179,19 @@ def phase_of_log(path: Path, steps: Steps) -> str:
     return phase_in_words(steps, config_of_log(path).get("experiments", {}).get(cell.split("/")[0], {}))
 
 
+def phase_trials_of_log(path: Path) -> list[int]:
+    """How many trials each phase of a log has, recorded or not, as the config says that the log carries.
+
+    Raises:
+        LookupError, TypeError, ValueError, ArithmeticError: it says none.
+    """
+    experiment = config_of_log(path)["experiments"][read_metadata(path)["cell"].split("/")[0]]
+    return [
+        int(phase["trials"] if "trials" in phase else phase["steps"] // experiment["trial_steps"])
+        for phase in experiment["phases"]
+    ]
+
+
 def lab_of_log(path: Path, phase: int | None = None) -> Lab:
     """The lab in which the steps of a log were played, those of a phase where it has phases.
 

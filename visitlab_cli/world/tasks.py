@@ -96,7 +96,7 @@ TASKS = {
     for task in (
         Task(
             NAVIGATION,
-            "reach each of nine rooms and stay there",
+            "reach the goal room and stay there",
             (ALWAYS, GOAL),
             None,
             N_PHYSICAL_ACTIONS,

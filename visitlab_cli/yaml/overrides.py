@@ -25,7 +25,7 @@ class Sections(NamedTuple):
 
 
 def apply_overrides(document: Node, overrides: Sequence[str], sections: Sections) -> tuple[Node, list[Problem]]:
-    """The document with each `key=value` set in turn, and what was wrong.
+    """The document with each `key=value` set in turn, and what was wrong; `key=null` leaves out what is there.
 
     Raises:
         UsageError: for an override that is not `key=value`.
@@ -42,12 +42,16 @@ def apply_overrides(document: Node, overrides: Sequence[str], sections: Sections
         value, found = read_yaml(text, source, lines=False)
         problems += found
         place = Place(source)
-        value = value or Node(None, place)
-        document = _override(document, key, Node(value.value, place, place), sections, problems)
+        new = Node(None if value is None else value.value, place, place)
+        is_null = value is not None and value.value is None
+        document = _override(document, key, new, sections, problems, is_null=is_null)
     return document, problems
 
 
-def _override(document: Node, key: str, value: Node, sections: Sections, problems: list[Problem]) -> Node:
+def _override(
+    document: Node, key: str, value: Node, sections: Sections, problems: list[Problem], *, is_null: bool
+) -> Node:
+    """The document with the value under the key; null leaves out what is written there."""
     path = key.split(".", 1) if key.split(".", 1)[0] in sections.dotted else split_path(document, key)
     if path[0] == INCLUDE:
         problems.append(Problem(value.place, (INCLUDE,), "cannot be overridden"))
@@ -64,7 +68,8 @@ def _override(document: Node, key: str, value: Node, sections: Sections, problem
         message = f"{whole} is a list; give it whole, as in {whole}=[{', '.join(map(str, node.plain()))}]"
         problems.append(Problem(value.place, tuple(path), message))
         return document
-    return _with(document, path, value)
+    is_written = document.nearest(path)[1]
+    return _without(document, path) if is_null and is_written else _with(document, path, value)
 
 
 def _with(node: Node, path: Sequence[str], value: Node) -> Node:
@@ -73,3 +78,13 @@ def _with(node: Node, path: Sequence[str], value: Node) -> Node:
         return value
     inner = node.entries().get(path[0], Node({}, value.place, value.place))
     return node.with_entries({**node.entries(), path[0]: _with(inner, path[1:], value)})
+
+
+def _without(node: Node, path: Sequence[str]) -> Node:
+    """A copy without what is at `path`."""
+    entries = dict(node.entries())
+    if len(path) == 1:
+        del entries[path[0]]
+    else:
+        entries[path[0]] = _without(entries[path[0]], path[1:])
+    return node.with_entries(entries)
