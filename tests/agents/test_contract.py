@@ -64,6 +64,6 @@ def test_an_action_drawn_while_learning_is_the_next_one_but_for_a_trials_last(ta
 def test_every_file_of_the_folder_is_found_and_no_other_kind():
     assert set(registry.KINDS) == {
         "q_learning", "model_based", "rmax", "observer", "random", "scripted", "last_seen", "windowed", "forgetting",
-        "coordinated", "prioritized_sweeping", "dyna",
+        "coordinated", "prioritized_sweeping", "dyna", "multi_model",
     }  # fmt: skip
     assert all(issubclass(kind, AgentParameters) for kind in registry.KINDS.values())

@@ -45,6 +45,9 @@ class AgentParameters(Kind):
 
     pools: ClassVar[bool] = False
     """Whether a visit can begin with what several of its kind have learned, as one."""
+
+    parts: ClassVar[tuple[str, ...]] = ()
+    """What the log of a visit has of it, of `SOME_CELLS`; its record is then asked to `TELL`."""
     kind: str
 
     references: ClassVar[dict[str, tuple[str, ...]]] = {}
@@ -232,6 +235,16 @@ def _learn(agent, state, action, reward, next_state, end, step, random):  # type
     """
 
 
+def _tell(agent, columns, row):  # type: ignore[no-untyped-def]
+    """Write what the log keeps of an agent that tells something of itself (`AgentParameters.parts`)."""
+
+
+def _tell_nothing(agent, columns, row):  # type: ignore[no-untyped-def]
+    pass
+
+
+TELL = Operation(_tell, otherwise=_tell_nothing)
+tell = TELL.function
 CHOOSE = Operation(_choose)
 LEARN = Operation(_learn)
 choose = CHOOSE.function

@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 from pydantic import Field, model_validator
 
-from visitlab_cli.agents.base import CHOOSE, CHOOSE_AS, LEARN, Saved, Setting, zeros
+from visitlab_cli.agents.base import CHOOSE, CHOOSE_AS, LEARN, TELL, Saved, Setting, zeros
 from visitlab_cli.agents.declared import Declared, counts, fault_in_model, floats
 from visitlab_cli.agents.exploration import Table, epsilon_greedy, epsilon_greedy_as
 from visitlab_cli.agents.model_based import ModelBased
@@ -40,6 +40,8 @@ from visitlab_cli.agents.swept import SweptParameters
 from visitlab_cli.compiled import kernel, long_kernel
 from visitlab_cli.random_numbers import RandomState
 from visitlab_cli.settings import since
+from visitlab_cli.world.columns import MODELS as MODELS_PART
+from visitlab_cli.world.columns import StepColumns
 from visitlab_cli.world.enums import N_DIRECTIONS, N_DISTANCES, N_LEVELS, Action
 from visitlab_cli.world.social import parts_of
 from visitlab_cli.world.tasks import SOCIAL, VISIT
@@ -113,6 +115,7 @@ class MultiModelParameters(SweptParameters):
 
     pools: ClassVar[bool] = True
     takes_masks: ClassVar[bool] = True
+    parts: ClassVar[tuple[str, ...]] = (MODELS_PART,)
     tasks: ClassVar[tuple[str, ...]] = (SOCIAL, VISIT)
     microseconds_a_step: ClassVar[Mapping[str, float]] = {SOCIAL: 5.3, VISIT: 30.0}
     kind: Literal["multi_model"]
@@ -480,6 +483,13 @@ def choose_as(
 ) -> tuple[int, bool]:
     """The same where each action is valued as the one it comes to."""
     return epsilon_greedy_as(agent.qs[agent.now[ACTIVE], state], meant, agent.epsilon, random)
+
+
+@TELL.of(MultiModel)
+def tell(agent: MultiModel, columns: StepColumns, row: int) -> None:
+    """The active model, and the most that speaks for another one."""
+    columns.active_model[row] = agent.now[ACTIVE]
+    columns.evidence[row] = agent.detection.evidence.max()
 
 
 @LEARN.of(MultiModel)

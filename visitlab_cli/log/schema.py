@@ -26,6 +26,7 @@ from visitlab_cli.world.columns import (
     FIXED32,
     FLOAT,
     MEMORY,
+    MODELS,
     MODULES,
     PHASES,
     PLAN,
@@ -135,6 +136,7 @@ _WITH = {
     DOORS: "with doors of a phase",
     BELIEF: "with a belief",
     PLAN: "with a plan",
+    MODELS: "with an agent of several models",
     MEMORY: "with a human who remembers",
 }
 

@@ -76,7 +76,8 @@ class Cell:
     def parts(self) -> tuple[str, ...]:
         """What there is in it beside what its task has, of `SOME_CELLS`."""
         remembers = any(self.config.humans[name].remembers for name in self.humans)
-        return (*self.settings.parts, *((MEMORY,) if remembers else ()))
+        tells = self.learner.parts if self.settings.assembled and not self.frozen else ()
+        return (*self.settings.parts, *((MEMORY,) if remembers else ()), *tells)
 
     @property
     def task(self) -> str:

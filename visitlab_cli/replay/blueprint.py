@@ -4,7 +4,7 @@ from typing import Literal
 
 import rerun.blueprint as rrb
 
-from visitlab_cli.replay.curves import ACTION, BELIEF, GOAL_LANE, LANES, LEVEL
+from visitlab_cli.replay.curves import ACTION, BELIEF, EVIDENCE, GOAL_LANE, LANES, LEVEL, MODEL
 from visitlab_cli.replay.stage import TIMELINE
 from visitlab_cli.scene.colours import FLOOR
 from visitlab_cli.scene.moments import moments, strip_steps
@@ -39,7 +39,10 @@ def blueprint_of(shown: Scene, *, following: bool = False) -> rrb.Blueprint:
         curves.append(rrb.TimeSeriesView(origin="distance", name=distance, axis_x=axis, plot_legend=NO_LEGEND))
     if trial.has_belief:
         curves.append(rrb.BarChartView(origin=BELIEF, name="None, greeted, called, follows"))
-    there = {LEVEL: trial.has_human, ACTION: True, GOAL_LANE: trial.has_goal}
+    if trial.has_models:
+        name = "Evidence for another model, nats"
+        curves.append(rrb.TimeSeriesView(origin=EVIDENCE, name=name, axis_x=axis, plot_legend=NO_LEGEND))
+    there = {LEVEL: trial.has_human, ACTION: True, GOAL_LANE: trial.has_goal, MODEL: trial.has_models}
     lanes = [lane for lane in LANES if there[lane]]
     names = ", ".join(lane.replace("_", " ") for lane in lanes).capitalize()
     state: Literal["following", "paused"] = "following" if following else "paused"

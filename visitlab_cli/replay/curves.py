@@ -23,14 +23,16 @@ from visitlab_cli.scene.words import (
 )
 from visitlab_cli.world.enums import DISTANCE_NAMES
 
-GOAL_LANE, LEVEL, ACTION = LANES = "goal", "interaction_level", "robot_action"
+GOAL_LANE, LEVEL, ACTION, MODEL = LANES = "goal", "interaction_level", "robot_action", "robot_model"
 """Entities, which the viewer shows in alphabetical order."""
 BELIEF = "belief"
+EVIDENCE = "evidence"
 BEST_SHOWN = 3
 """Actions whose Q-values are told."""
 GREY: Colour = (140, 140, 145)
 ROOM_COLOURS: tuple[Colour, ...] = ((170, 140, 70), (120, 100, 60))
 """Rooms in turn; their names tell them apart."""
+MODEL_COLOURS = ACTION_COLOURS
 
 
 def draw_words(stage: Stage) -> None:
@@ -47,7 +49,7 @@ def draw_words(stage: Stage) -> None:
 
 
 def draw_states(stage: Stage) -> None:
-    """Lanes over time: the interaction level, the kind of action, the goal room."""
+    """Lanes over time: the interaction level, the kind of action, the goal room, which of several models is active."""
     steps = stage.trial.steps
     if stage.trial.has_human:
         _lane(stage, LEVEL, LEVEL_NAMES, LEVEL_COLOURS, [LEVEL_NAMES[level] for level in steps["interaction_level"]])
@@ -57,6 +59,10 @@ def draw_states(stage: Stage) -> None:
         names = [room_name(stage.trial.lab, room) for room in range(stage.trial.lab.n_rooms)]
         colours = [ROOM_COLOURS[room % 2] for room in range(stage.trial.lab.n_rooms)]
         _lane(stage, GOAL_LANE, names, colours, [names[room] for room in steps["goal_room"]])
+    if stage.trial.has_models:
+        names = [f"model {model}" for model in range(int(steps["active_model"].max()) + 1)]
+        colours = [MODEL_COLOURS[model % len(MODEL_COLOURS)] for model in range(len(names))]
+        _lane(stage, MODEL, names, colours, [names[model] for model in steps["active_model"]])
 
 
 def draw_curves(stage: Stage) -> None:
@@ -64,6 +70,8 @@ def draw_curves(stage: Stage) -> None:
     steps = stage.trial.steps
     reward = "goals" if stage.trial.plays.counts_goals else "reward"
     _curve(stage, "reward", np.cumsum(steps["reward"]), reward, GOAL, 2.5)
+    if stage.trial.has_models:
+        _curve(stage, EVIDENCE, steps["evidence"], "nats", HUMAN, 2.5)
     if not stage.trial.has_human:
         return
     apart = [abs(steps[f"robot_{axis}"].astype(int) - steps[f"human_{axis}"].astype(int)) for axis in ("row", "col")]

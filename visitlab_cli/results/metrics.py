@@ -15,13 +15,15 @@ from visitlab_cli.config.experiment import lab_of
 from visitlab_cli.errors import NotFoundError
 from visitlab_cli.log.reader import check_values, read_steps
 from visitlab_cli.plan.cells import Cell
+from visitlab_cli.plan.saved import model_of
 from visitlab_cli.results.estimates import Estimate, mean_of
 from visitlab_cli.results.groups import Group, groups_of
+from visitlab_cli.results.own_models import met
 from visitlab_cli.results.phases import FIRST
 from visitlab_cli.results.units import Units, by_unit
 from visitlab_cli.results.ways import distances_to
 from visitlab_cli.storage.cell_folder import STEPS, read_cell
-from visitlab_cli.world.columns import BELIEF, COLUMNS, ENGAGEMENT, GOAL
+from visitlab_cli.world.columns import BELIEF, COLUMNS, ENGAGEMENT, GOAL, MODELS
 from visitlab_cli.world.enums import DISTANCE_NAMES, InteractionLevel
 from visitlab_cli.world.geometry import BEHIND, CIRCLE, FACING_FIELD, HUNDREDTHS, make_geometry
 from visitlab_cli.world.lab import Lab
@@ -62,6 +64,8 @@ METRICS = {
     "attention_back": Metric(SHARE, "losses that are made good in the same trial"),
     "belief_right": Metric(SHARE, "steps after which the likeliest engagement is the true one"),
     "belief_right_engaged": Metric(SHARE, "the same, of steps after which the human is engaged"),
+    "own_model": Metric(SHARE, "steps chosen by the model that is most often active with that human"),
+    "steps_until_own_model": Metric(STEPS_UNIT, "from a phase's beginning until that model is active"),
     "path_efficiency": Metric(
         RATIO, "the human's shortest way to a goal over the way that it walked, of goals reached"
     ),
@@ -111,7 +115,16 @@ def metrics_of(run: Path, cell: Cell, first: int = FIRST) -> dict[Part, dict[str
         parts[Part(number, "rest")] = of_phase & (steps["trial"] >= until)
         begins += trials
     chosen = {part: {name: column[rows] for name, column in steps.items()} for part, rows in parts.items()}
-    return {part: measured(of, lab) for part, of in (chosen or {WHOLE: steps}).items() if len(of["step"])}
+    found = {part: measured(of, lab) for part, of in (chosen or {WHOLE: steps}).items() if len(of["step"])}
+    if MODELS in cell.parts and cell.settings.phases:
+        for number, phase in enumerate(met(cell, model_of(run, cell))):
+            early = first * cell.settings.trial_steps
+            for words, own in ((f"first {first}", phase.own[:early]), ("rest", phase.own[early:])):
+                if (part := Part(number, words)) in found:
+                    found[part] |= {"own_model": _share(own)}
+            if (part := Part(number, f"first {first}")) in found:
+                found[part] |= {"steps_until_own_model": phase.delay}
+    return found
 
 
 def measured(steps: Steps, lab: Lab) -> dict[str, float]:

@@ -106,6 +106,11 @@ class Trial:
         return "belief_none" in self.steps
 
     @property
+    def has_models(self) -> bool:
+        """Whether the robot had several models of humans, and one was active."""
+        return "active_model" in self.steps
+
+    @property
     def has_rooms(self) -> bool:
         """Whether it plays in the lab with its rooms."""
         return self.arena is None

@@ -6,7 +6,7 @@ all there is to a checkpoint: a block more or less never changes a result.
 
 from typing import Any, NamedTuple
 
-from visitlab_cli.agents.base import choose, learn
+from visitlab_cli.agents.base import choose, learn, tell
 from visitlab_cli.agents.exploration import Table
 from visitlab_cli.compiled import Operation, kernel, written
 from visitlab_cli.random_numbers import RandomState
@@ -119,5 +119,6 @@ def play(
             columns.reward[row] = reward
             columns.social_reward[row] = lesson
             trial_rewards[trial] += reward
+        tell(agent, columns, row)
         row += 1
     return Cursor(scene, state, trial, trial_step, done), row

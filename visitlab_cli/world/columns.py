@@ -14,9 +14,10 @@ from visitlab_cli.world.enums import DISTANCE_NAMES, Action, Direction, Interact
 
 ALWAYS, HUMAN, ENGAGEMENT, GOAL, MODULES = "always", "human", "engagement", "goal", "modules"
 """What there may be in a task, and so what its log has columns for."""
-PHASES, PLAN, MEMORY, DOORS, BELIEF = SOME_CELLS = ("phases", "plan", "memory", "doors", "belief")
+PHASES, PLAN, MEMORY, DOORS, BELIEF, MODELS = SOME_CELLS = ("phases", "plan", "memory", "doors", "belief", "models")
 """What a cell may have beside what its task has: phases, a controller that plans where to lead, a human who remembers,
-doors that are opened and shut between trials, a robot to whom engagement is hidden and who believes something of it.
+doors that are opened and shut between trials, a robot to whom engagement is hidden and who believes something of it,
+an agent of several models.
 
 The log of a cell without them does not know of their columns.
 """
@@ -101,6 +102,8 @@ class StepColumns(NamedTuple):
     belief_greeted: Annotated[Floats, Column(FLOAT, BELIEF, "how likely it is greeted")]
     belief_called: Annotated[Floats, Column(FLOAT, BELIEF, "how likely it is called, and waits to be shown the way")]
     belief_following: Annotated[Floats, Column(FLOAT, BELIEF, "how likely it follows")]
+    active_model: Annotated[Bytes, Column(UINT32, MODELS, "number of the model that the agent acts by, from 0")]
+    evidence: Annotated[Floats, Column(FLOAT, MODELS, "the most that speaks for another model or a new one, in nats")]
 
 
 def _columns() -> tuple[Column, ...]:

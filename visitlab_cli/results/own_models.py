@@ -1,0 +1,52 @@
+"""How well an agent of several models told humans apart: its switches beside who was really there."""
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from visitlab_cli.agents.base import Saved
+from visitlab_cli.plan.cells import Cell
+
+Ints = npt.NDArray[np.int64]
+
+
+class Met(NamedTuple):
+    """A phase: its human and first step, and whether at each of its steps the human's own model was active.
+
+    A human's own model is the one that was active in most of the steps with that human, over all phases.
+    """
+
+    human: str
+    begins: int
+    own: npt.NDArray[np.bool_]
+
+    @property
+    def delay(self) -> float:
+        """Steps until it is active; nan where it never is."""
+        return float(np.argmax(self.own)) if self.own.any() else float("nan")
+
+
+def active_models(saved: Saved, steps: int) -> Ints:
+    """The model by which each step was chosen, shape (steps,): a switch holds from the next step on."""
+    active = np.zeros(steps, np.int64)
+    for step, _, model, _ in saved["switches"]:
+        active[step:] = model
+    return active
+
+
+def met(cell: Cell, saved: Saved) -> Iterator[Met]:
+    """Each phase of a cell whose agent has several models, from what it saved."""
+    active = active_models(saved, cell.steps)
+    ends = np.cumsum(cell.settings.phase_trials) * cell.settings.trial_steps
+    phases = [
+        (phase.met, int(end) - length, int(end))
+        for phase, end, length in zip(cell.settings.phases, ends, np.diff(ends, prepend=0).tolist(), strict=True)
+    ]
+    with_human: dict[str, list[Ints]] = {}
+    for human, begins, end in phases:
+        with_human.setdefault(human, []).append(active[begins:end])
+    own = {human: int(np.bincount(np.concatenate(parts)).argmax()) for human, parts in with_human.items()}
+    for human, begins, end in phases:
+        yield Met(human, begins, active[begins:end] == own[human])
