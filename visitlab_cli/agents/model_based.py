@@ -46,7 +46,6 @@ class ModelBasedParameters(SweptParameters):
         "visit's start, and where phases change the human; null: as many as there were",
         json_schema_extra=since("0.2.0"),
     )
-
     exploration: Literal["epsilon", "optimistic", "count_bonus"] = Field(
         default="epsilon",
         description="what leads to pairs that were seldom tried, beside epsilon: nothing; or that one never tried is "
@@ -112,7 +111,7 @@ class ModelBasedParameters(SweptParameters):
         record.model.mean_rewards[:] = self._bonuses(record.model)
 
     def _bonuses(self, model: SparseModel) -> Table:
-        """What the R that sweeps use has beside the mean reward, shape (pairs,); of pairs never tried it is not used."""
+        """What the R that sweeps use has beside mean rewards, shape (pairs,); of pairs never tried it is not used."""
         bonuses: Table = (self.bonus or 0.0) / np.sqrt(np.maximum(model.visits, 1))
         return bonuses
 
