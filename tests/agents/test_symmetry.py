@@ -20,6 +20,7 @@ SETTING = Setting("social", 2560, 30, 2000)
 KINDS = [
     {"kind": "q_learning", "symmetric": True},
     {"kind": "model_based", "symmetric": True, "unvisited": "zero", "plan_every": 7},
+    {"kind": "model_based", "symmetric": True, "exploration": "count_bonus", "bonus": 0.5, "plan_every": 7},
     {"kind": "rmax", "symmetric": True, "plan_every": 7},
     {"kind": "windowed", "symmetric": True, "unvisited": "zero", "plan_every": 7, "k": 2},
     {"kind": "coordinated", "symmetric": True, "unvisited": "zero", "plan_every": 7},

@@ -61,7 +61,8 @@ LATER: dict[str, dict[str, tuple[str, Any]]] = {
     **{name: SYMMETRIC for name in ("QLearningParameters", "RMaxParameters")},
     **{name: PHASES | LAB for name in ("NavigationTraining", "GoToHumanTraining")},
     "SocialTraining": PHASES | HIDDEN,
-    "ModelBasedParameters": SYMMETRIC | {"prior_strength": ("0.2.0", None)},
+    "ModelBasedParameters": SYMMETRIC
+    | {"prior_strength": ("0.2.0", None), "exploration": ("0.2.0", "epsilon"), "bonus": ("0.2.0", None)},
     "Config": {"labs": ("0.2.0", {})},
     "Visit": PHASES
     | LAB
@@ -79,6 +80,7 @@ HASHES = {
     "beyond/doors": "f08c50a4", "beyond/hidden": "3511f468", "beyond/labs": "3fe4e1ef", "beyond/leading": "5610060a",
     "beyond/adaptation": "22663ee4", "beyond/friends": "a62fec01", "beyond/strangers": "b777d315",
     "beyond/symmetry": "45768628", "beyond/coordination": "63a190ab", "beyond/planners": "2e3e4366",
+    "beyond/exploration": "cbe10a6d",
     "generalisation": "0a09fb53", "my-human": "3ed1abad", "paper": "c7c38838", "quickstart": "621f9df4",
     "paper/fig6_bootstrap": "824627de", "paper/fig6_go_to_human": "e03a6c1e", "paper/fig6_navigation": "fdd34bd0",
     "paper/fig6_social": "824627de", "paper/fig7": "35c89a7c", "paper/fig8_adaptation": "c161c773",

@@ -9,7 +9,7 @@ from pydantic import Field, PrivateAttr, model_validator
 from visitlab_cli.agents.base import EPSILON, GAMMA, PLAN_EVERY, Saved, Setting
 from visitlab_cli.agents.exploration import Table
 from visitlab_cli.agents.one_model import OneModelParameters
-from visitlab_cli.agents.sparse_model import pooled_models, restored_model, saved_model, sweep
+from visitlab_cli.agents.sparse_model import SparseModel, pooled_models, restored_model, saved_model, sweep
 from visitlab_cli.agents.symmetry import folded, unfolded
 
 SWEEPS_OF_A_POOL = 40
@@ -29,7 +29,7 @@ class SweptParameters(OneModelParameters):
 
     @model_validator(mode="after")
     def _symmetric_zero(self) -> Self:
-        if self.symmetric and self.unvisited == "uniform":
+        if self.symmetric and self.fills:
             raise ValueError("symmetric goes with unvisited: zero only; uniform is over states of which it has no rows")
         return self
 
@@ -52,12 +52,16 @@ class SweptParameters(OneModelParameters):
         arrays = pooled_models(several, strength)
         if self.symmetric:
             q, arrays = folded({"q": q})["q"], folded(arrays)
-        model = restored_model(setting._replace(n_states=len(q), steps=0), arrays)
+        q, model = self._learned(setting._replace(n_states=len(q), steps=0), {"q": q, **arrays})
         values = np.zeros(len(q))
         for _ in range(SWEEPS_OF_A_POOL):
             sweep(model, q, values, float(self.gamma), 1, self.fills)
         whole = {"q": q, **saved_model(model, q.shape[1])}
         return unfolded(whole) if self.symmetric else whole
+
+    def _learned(self, setting: Setting, saved: Saved) -> tuple[Table, SparseModel]:
+        """The table and the model to go on with."""
+        return saved["q"].copy(), restored_model(setting, saved)
 
     @property
     def fills(self) -> bool:
