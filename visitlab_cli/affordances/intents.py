@@ -1,4 +1,4 @@
-"""Affordances as intents: which actions of a learned social model bring about what a robot may want, and planning with these.
+"""Affordances as intents: which actions bring about what a robot may want, as learned; planning with these alone.
 
 A pair (state s, action a) affords an intent I with P(I | s, a) = n(s, a, s' in I(s)) / n(s, a), 0 where it was never
 tried. AF_k is the pairs that afford some intent with at least k.
@@ -6,6 +6,7 @@ tried. AF_k is the pairs that afford some intent with at least k.
 
 from collections.abc import Callable
 from enum import StrEnum
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -13,7 +14,7 @@ import numpy.typing as npt
 from visitlab_cli.agents.base import Saved, Setting
 from visitlab_cli.agents.sparse_model import restored_model, sweep
 from visitlab_cli.agents.symmetry import folded, unfolded
-from visitlab_cli.world.enums import N_DIRECTIONS, InteractionLevel
+from visitlab_cli.world.enums import N_DIRECTIONS, N_DISTANCES, InteractionLevel
 from visitlab_cli.world.geometry import is_appropriate
 from visitlab_cli.world.social import SocialStates, parts_of
 
@@ -41,30 +42,35 @@ class Intent(StrEnum):
 INTENTS = tuple(Intent)
 
 _FACED = np.isin(np.arange(len(InteractionLevel)), (2, 4, 5, 6, 7))
-_APPROPRIATE = np.array([is_appropriate(distance) for distance in range(5)])
+_APPROPRIATE = np.array([is_appropriate(distance) for distance in range(N_DISTANCES)])
 
 
 def _faces(before: SocialStates, after: SocialStates) -> Mask:
-    return ~_FACED[before.level] & _FACED[after.level]
+    comes: Mask = ~_FACED[before.level] & _FACED[after.level]
+    return comes
 
 
 def _nears(before: SocialStates, after: SocialStates) -> Mask:
-    return ~_APPROPRIATE[before.distance] & _APPROPRIATE[after.distance]
+    comes: Mask = ~_APPROPRIATE[before.distance] & _APPROPRIATE[after.distance]
+    return comes
 
 
 def _advances(before: SocialStates, after: SocialStates) -> Mask:
     greeted = InteractionLevel.GREETED.value
-    return (after.level >= greeted) & (after.level > before.level)
+    comes: Mask = (after.level >= greeted) & (after.level > before.level)
+    return comes
 
 
 def _keeps(before: SocialStates, after: SocialStates) -> Mask:
     follows = InteractionLevel.FOLLOWS.value
-    return (before.level == follows) & (after.level == follows) & _APPROPRIATE[after.distance]
+    comes: Mask = (before.level == follows) & (after.level == follows) & _APPROPRIATE[after.distance]
+    return comes
 
 
 def _leads(before: SocialStates, after: SocialStates) -> Mask:
     towards_robot = (after.angle + N_DIRECTIONS // 2) % N_DIRECTIONS
-    return _keeps(before, after) & (towards_robot == before.desired_direction)
+    comes: Mask = _keeps(before, after) & (towards_robot == before.desired_direction)
+    return comes
 
 
 COMES_ABOUT: dict[Intent, Callable[[SocialStates, SocialStates], Mask]] = {
@@ -95,11 +101,11 @@ def affording(found: Table, tried: Mask, threshold: float) -> Mask:
         tried: which pairs were ever tried, shape (states, actions).
         threshold: k, above 0.
     """
-    affords = (found >= threshold).any(axis=0)
+    affords: Mask = np.any(found >= threshold, axis=0)
     return np.where(affords.any(axis=1, keepdims=True), affords, tried)
 
 
-def entries(model: Saved, allowed: Mask) -> int:
+def entries(model: Saved, allowed: Mask) -> Any:
     """How many (s, a, s') a sweep over these pairs goes through."""
     return int(np.diff(model["successor_offsets"])[allowed.ravel()].sum())
 

@@ -30,7 +30,7 @@ OFTEN = 3
 GAMMA = 0.9
 """Of an agent that has none."""
 STREAM = "intents"
-ALL = "tried"
+ALL, MANY = "all tried", f"tried {OFTEN}+ times"
 
 
 class PairSet(NamedTuple):
@@ -112,11 +112,14 @@ def _check(cell: Cell) -> None:
 
 def _group(cells: Sequence[Cell], run: Path, thresholds: Sequence[float], trials: int) -> Restricted:
     own, rows = zip(*(_module(run, cell, thresholds, trials) for cell in cells), strict=True)
-    sets = [
-        PairSet(of_seeds[0].name, of_seeds[0].threshold, *map(np.array, zip(*(each[2:] for each in of_seeds), strict=True)))
-        for of_seeds in zip(*rows, strict=True)
-    ]
+    sets = [_over_seeds(of_seeds) for of_seeds in zip(*rows, strict=True)]
     return Restricted(cells[0].group, cells[0].human, [cell.seed for cell in cells], np.array(own), sets)
+
+
+def _over_seeds(found: Sequence[PairSet]) -> PairSet:
+    """The same set in several seeds, as arrays over these."""
+    arrays: Any = {name: np.array([getattr(one, name) for one in found]) for name in PairSet._fields[2:]}
+    return found[0]._replace(**arrays)
 
 
 def _module(run: Path, cell: Cell, thresholds: Sequence[float], trials: int) -> tuple[float, list[PairSet]]:
@@ -127,18 +130,18 @@ def _module(run: Path, cell: Cell, thresholds: Sequence[float], trials: int) -> 
     gamma, symmetric = float(getattr(cell.learner, "gamma", GAMMA)), getattr(cell.learner, "symmetric", False)
 
     def with_pairs(name: str, threshold: float | None, allowed: Mask) -> PairSet:
-        afford = [np.nan if threshold is None else np.count_nonzero(each >= threshold) for each in found]
+        afford: Any = [np.nan if threshold is None else np.count_nonzero(each >= threshold) for each in found]
         q = planned(setting_of(cell), model, allowed, gamma, symmetric=symmetric)
-        sizes: Any = np.array(afford), allowed.sum(), entries(model, allowed)
-        return PairSet(name, threshold, *sizes, _reward(cell, task, q, trials))
+        size: Any = np.count_nonzero(allowed)
+        return PairSet(name, threshold, afford, size, entries(model, allowed), _reward(cell, task, q, trials))
 
-    sets = [with_pairs(ALL, None, tried), with_pairs(f"{ALL} {OFTEN} times", None, model["visits"] >= OFTEN)]
+    sets = [with_pairs(ALL, None, tried), with_pairs(MANY, None, model["visits"] >= OFTEN)]
     sets += [with_pairs(f"k {each:g}", each, affording(found, tried, each)) for each in thresholds]
     return _reward(cell, task, values_of(run, cell), trials), sets
 
 
 def _reward(cell: Cell, task: Any, q: Table, trials: int) -> Any:
-    """The mean reward a trial of who is greedy and learns nothing; all policies of a cell from the same random state."""
+    """The mean reward a trial of who is greedy and learns nothing; all of a cell begin with the same random state."""
     agent = GreedyTable(np.ascontiguousarray(q, np.float64))
     played = Simulation([Stretch(task, agent, trials * cell.settings.trial_steps)], cell.player, trials, cell.settings)
     random = random_state(cell.config.seed, cell.path, STREAM)
