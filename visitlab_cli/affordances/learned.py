@@ -14,6 +14,7 @@ from visitlab_cli.errors import NotFoundError, RunError
 from visitlab_cli.plan.cells import Cell
 from visitlab_cli.plan.saved import models_of, values_of
 from visitlab_cli.plan.selection import Selection
+from visitlab_cli.storage.arrays import Arrays
 from visitlab_cli.storage.cell_folder import read_cell
 from visitlab_cli.world.social import Ints
 from visitlab_cli.world.tasks import SOCIAL
@@ -68,7 +69,7 @@ def affordances(run: Path, cells: Sequence[Cell], selection: Selection = FIRST) 
         NotFoundError: the run has no such module that is trained and learns a model.
         RunError: a model's file is damaged.
     """
-    trained = _chosen(run, cells, selection)
+    trained = trained_module(run, cells, selection)
     counts, policy = _read(run, trained)
     adaptations: dict[tuple[str, str], Adaptation] = {}
     for visit in _visits_of(run, cells, trained):
@@ -78,9 +79,20 @@ def affordances(run: Path, cells: Sequence[Cell], selection: Selection = FIRST) 
 
 
 def _read(run: Path, cell: Cell) -> tuple[Ints, PolicyMap]:
-    """What a social module has seen follow what, and what it would do; of several models by the one it acts by."""
+    """What a social module has seen follow what, and what it would do."""
+    model = model_acted_by(run, cell)
+    return learned_counts(model), policy_map(values_of(run, cell), model["visits"])
+
+
+def model_acted_by(run: Path, cell: Cell) -> Arrays:
+    """The learned model of a social module, of several the one that it acts by.
+
+    Raises:
+        NotFoundError: it shows none, or its file is missing.
+        RunError: its file is damaged.
+    """
     for model in models_of(run, cell).values():
-        return learned_counts(model), policy_map(values_of(run, cell), model["visits"])
+        return model
     raise NotFoundError(f"{run / cell.path}: {cell.agent} plans, but with no model that it would show")
 
 
@@ -121,7 +133,13 @@ def _adaptation(run: Path, visit: Cell, before: Ints) -> Adaptation:
     return Adaptation(visit, graph(after, truth), graph(after - before, truth), policy)
 
 
-def _chosen(run: Path, cells: Sequence[Cell], selection: Selection) -> Cell:
+def trained_module(run: Path, cells: Sequence[Cell], selection: Selection) -> Cell:
+    """The first module that was chosen, is trained and learns a model; one that a visit starts from before others.
+
+    Raises:
+        NotFoundError: there is none.
+        RunError: there is none that is whole.
+    """
     visited = {cell.modules[SOCIAL] for cell in cells if cell.settings.assembled}
     wanted = [cell for cell in cells if cell.task == SOCIAL and cell.config.agents[cell.agent].plans]
     modules = [cell for cell in wanted if read_cell(run / cell.path) is not None]

@@ -69,10 +69,15 @@ def save_affordances(found: Affordances, target: Path) -> None:
         UsageError: another ending.
         RunError: it cannot be written.
     """
-    if target.suffix[1:] not in FORMATS:
-        raise UsageError(f"--picture {target}: must end in {', '.join(f'.{kind}' for kind in FORMATS)}")
+    check_ending(target)
     with styled(STYLE):
         save(draw_affordances(found), target)
+
+
+def check_ending(target: Path) -> None:
+    """Refuse a picture's file of another ending."""
+    if target.suffix[1:] not in FORMATS:
+        raise UsageError(f"--picture {target}: must end in {', '.join(f'.{kind}' for kind in FORMATS)}")
 
 
 def draw_affordances(found: Affordances) -> "Figure":

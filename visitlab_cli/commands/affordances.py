@@ -1,6 +1,7 @@
 """`visitlab affordances`: what the social module believes, beside what is true."""
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -15,6 +16,8 @@ from visitlab_cli.terminal import tell, tell_json, tell_text
 if TYPE_CHECKING:
     from visitlab_cli.affordances.learned import Affordances, Graph
     from visitlab_cli.affordances.plain import Weight
+    from visitlab_cli.affordances.restricted import PairSet, Restricted
+    from visitlab_cli.plan.selection import Selection
 
 
 HELP = Help(
@@ -23,6 +26,7 @@ HELP = Help(
     examples=(
         "visitlab affordances quickstart",
         "visitlab affordances quickstart --experiment social --json",
+        "visitlab affordances quickstart --intents --threshold 0.5 --trials 200",
     ),
 )
 
@@ -37,8 +41,31 @@ def command(
     ] = "",
     agent: Annotated[str, typer.Option(help="Of this agent.", autocompletion=completion.agents)] = "",
     human: Annotated[str, typer.Option(help="Trained with this human.", autocompletion=completion.humans)] = "",
-    seed: Annotated[int, typer.Option(min=0, help="Of this repetition, from 0.")] = 0,
+    seed: Annotated[
+        int | None, typer.Option(min=0, help="Of this repetition, from 0; else the first, with --intents all.")
+    ] = None,
     at: At = None,
+    intents: Annotated[
+        bool,
+        typer.Option(
+            "--intents",
+            help="What is left of the reward with each human if it plans only with pairs of state and action that "
+            "afford an intent: the human faces the robot, the distance becomes appropriate, the interaction advances, "
+            "the human is led, keeps following.",
+        ),
+    ] = False,
+    threshold: Annotated[
+        list[float] | None,
+        typer.Option(
+            "--threshold",
+            metavar="K",
+            help="With --intents: as likely an intent must be; may be repeated. Else 0.05 to 0.9.",
+        ),
+    ] = None,
+    trials: Annotated[
+        int | None,
+        typer.Option(min=1, max=10**6, help="With --intents: trials that each plan is played; else 2000."),
+    ] = None,
     picture: Annotated[
         Path | None,
         typer.Option(metavar="FILE", help="Draw it, with how it adapts: a .svg, .png or .pdf."),
@@ -50,6 +77,8 @@ def command(
 
     --json has every action and level, and where it would go around the human.
     """
+    from dataclasses import replace
+
     from visitlab_cli.affordances.learned import affordances
     from visitlab_cli.affordances.plain import as_json as to_json
     from visitlab_cli.origin import check_ours
@@ -59,8 +88,13 @@ def command(
 
     if picture is not None:
         check_ours(picture)
+    _check_options(threshold or [], trials, intents=intents)
     folder = find_run(run, out)
-    found = affordances(folder, plan(read_config(folder)), Selection(experiment, human, agent, seed, tuple(at or ())))
+    selection = Selection(experiment, human, agent, seed, tuple(at or ()))
+    if intents:
+        _tell_intents(folder, selection, threshold, trials, picture, as_json=as_json)
+        return
+    found = affordances(folder, plan(read_config(folder)), replace(selection, seed=seed or 0))
     if picture is not None:
         from visitlab_cli.affordances.picture import save_affordances
 
@@ -70,6 +104,86 @@ def command(
         tell_json({"run": str(folder), **to_json(found)})
     else:
         tell_text(_text(found))
+
+
+def _check_options(thresholds: Sequence[float], trials: int | None, *, intents: bool) -> None:
+    from visitlab_cli.errors import UsageError
+
+    for name, given in (("--threshold", bool(thresholds)), ("--trials", trials is not None)):
+        if given and not intents:
+            raise UsageError(f"{name}: goes with --intents only")
+    for each in thresholds:
+        if not 0 < each <= 1:
+            raise UsageError(f"--threshold {each:g}: must be a probability above 0")
+
+
+def _tell_intents(
+    folder: Path,
+    selection: "Selection",
+    thresholds: Sequence[float] | None,
+    trials: int | None,
+    picture: Path | None,
+    *,
+    as_json: bool,
+) -> None:
+    from visitlab_cli.affordances.restricted import THRESHOLDS, TRIALS, restricted
+    from visitlab_cli.affordances.restricted import as_json as to_json
+    from visitlab_cli.plan.cells import plan
+    from visitlab_cli.storage.run_folder import read_config
+
+    if picture is not None:
+        from visitlab_cli.affordances.intents_picture import save_intents
+        from visitlab_cli.affordances.picture import check_ending
+
+        check_ending(picture)
+    trials = trials or TRIALS
+    cells = plan(read_config(folder))
+    found = restricted(folder, cells, selection, sorted(set(thresholds or THRESHOLDS)), trials)
+    if picture is not None:
+        save_intents(found, picture)
+        tell_json({"run": str(folder), "file": str(picture)}, None) if as_json else tell(str(picture))
+    elif as_json:
+        tell_json({"run": str(folder), **to_json(found, trials)})
+    else:
+        tell_text(_intents_text(found, trials))
+
+
+def _intents_text(found: "Sequence[Restricted]", trials: int) -> str:
+    lines = []
+    for each in found:
+        n = len(each.seeds)
+        lines += [f"{each.group}, {n} seed{'' if n == 1 else 's'}", _intents_table(each), ""]
+    lines += [
+        "Pairs of state and action: how many afford each intent with probability k, how many are planned with (of a",
+        "state without any, all that were tried), and how many (state, action, next state) a sweep goes through.",
+        f"Reward a trial in {trials:,} trials, greedy, without learning; kept, and the difference by seed, against all",
+        "pairs that were tried. Means over seeds, 95% intervals. own: by the agent's own values.",
+    ]
+    return "\n".join(lines)
+
+
+def _intents_table(module: "Restricted") -> str:
+    from visitlab_cli.affordances.intents import INTENTS
+    from visitlab_cli.results.estimates import mean_of
+
+    rows = [["pairs", *INTENTS, "planned with", "entries", "reward", "kept", "difference"]]
+    rows.append(["own", *["-"] * (len(INTENTS) + 2), mean_of(list(module.own)).in_words(), "-", "-"])
+    rows += [_intents_row(module, each) for each in module.sets]
+    return aligned(rows, words=1)
+
+
+def _intents_row(module: "Restricted", found: "PairSet") -> list[str]:
+    from visitlab_cli.results.estimates import mean_of
+
+    affording = ["-" if found.threshold is None else f"{each:,.0f}" for each in found.affording.mean(axis=0)]
+    sizes = [f"{each.mean():,.0f}" for each in (found.pairs, found.entries)]
+    reward, kept = mean_of(list(found.reward)).in_words(), module.kept(found)
+    against = ["-", "-"] if found is module.whole else [_percent(kept), module.difference(found).in_words("+")]
+    return [found.name, *affording, *sizes, reward, *against]
+
+
+def _percent(share: float) -> str:
+    return "-" if math.isnan(share) else f"{share:.0%}"
 
 
 def _text(found: "Affordances") -> str:
