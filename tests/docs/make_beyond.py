@@ -29,10 +29,10 @@ BATCHES = (0, 50, 100, 200, 500, 1000)
 FIRST = 20
 
 
-def sources(runs):
+def sources(runs, names=NAMES):
     """What each run holds, by the config's name; only a finished one of the config as it is."""
     found = {}
-    for name in NAMES:
+    for name in names:
         config = load(shipped_folder() / "beyond" / f"{name}.yaml")
         source = open_source(runs / f"{name}-{config_hash(config)}")
         short = [group.name for group in source.groups.values() if len(group.cells) < group.declared]
