@@ -1,1 +1,1 @@
-"""What a social module believes of its actions: learned, true, what it would do, with fewer too; and the pictures of it."""
+"""What a social module believes of its actions: learned, true, what it would do, with fewer too; and pictures of it."""
