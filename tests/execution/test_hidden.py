@@ -79,8 +79,9 @@ def test_what_is_believed_of_people_is_kept_and_gone_on_from(run):
 
 @pytest.mark.slow
 def test_no_truth_lies_beside_what_is_perceived(run):
-    done = visitlab("affordances", run, "--experiment", "sights")
-    assert (done.returncode, done.stderr.count("\n"), "Traceback" in done.stderr) == (5, 1, False)
+    for options in ((), ("--intents",)):
+        done = visitlab("affordances", run, "--experiment", "sights", *options)
+        assert (done.returncode, done.stderr.count("\n"), "Traceback" in done.stderr) == (5, 1, False)
 
 
 @pytest.mark.slow
