@@ -128,7 +128,6 @@ def test_it_is_trained_visited_recorded_and_replayed_by_its_memory(program, tmp_
     ("override", "told"),
     [
         ("humans.clock.kind=clockwrk", "humans.clock.kind: no such kind: 'clockwrk'; did you mean clockwork?"),
-        ("humans.clock.kind=null", "humans.clock.kind: no such kind: nothing; known: clockwork"),
         ("humans.clock.every=0", "humans.clock.every: must be at least 1 (got 0)"),
         ("humans.clock.evry=2", "humans.clock.evry: unknown; did you mean every?"),
         ("humans.usual.p_s=[1, 0, 0]", "humans.usual.p_s: unknown; did you mean p_S?"),

@@ -15,7 +15,7 @@ from visitlab_cli.agents.base import Saved, Setting
 from visitlab_cli.agents.sparse_model import restored_model, sweep
 from visitlab_cli.agents.symmetry import folded, unfolded
 from visitlab_cli.world.enums import N_DIRECTIONS, N_DISTANCES, InteractionLevel
-from visitlab_cli.world.geometry import is_appropriate
+from visitlab_cli.world.geometry import CLOSEST_APPROPRIATE, FARTHEST_APPROPRIATE
 from visitlab_cli.world.social import SocialStates, parts_of
 
 Table = npt.NDArray[np.float64]
@@ -42,7 +42,7 @@ class Intent(StrEnum):
 INTENTS = tuple(Intent)
 
 _FACED = np.isin(np.arange(len(InteractionLevel)), (2, 4, 5, 6, 7))
-_APPROPRIATE = np.array([is_appropriate(distance) for distance in range(N_DISTANCES)])
+_APPROPRIATE = np.isin(np.arange(N_DISTANCES), range(CLOSEST_APPROPRIATE, FARTHEST_APPROPRIATE + 1))
 
 
 def _faces(before: SocialStates, after: SocialStates) -> Mask:

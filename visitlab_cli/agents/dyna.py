@@ -11,6 +11,7 @@ import numpy.typing as npt
 from pydantic import Field
 
 from visitlab_cli.agents.base import CHOOSE, CHOOSE_AS, LEARN, Saved, Setting, zeros
+from visitlab_cli.agents.declared import Declared, counts
 from visitlab_cli.agents.exploration import Table, epsilon_greedy, epsilon_greedy_as, maximum
 from visitlab_cli.agents.known_values import (
     Known,
@@ -66,10 +67,24 @@ class DynaParameters(KnownValuesParameters):
 
     def _restore(self, setting: Setting, saved: Saved) -> Dyna:
         """Go on with a saved model and its values."""
-        pairs = np.flatnonzero(saved["visits"].ravel())
+        pairs = saved["tried"]
         tried = np.zeros(saved["visits"].size, np.int64)
         tried[: len(pairs)] = pairs
         return self._record(saved["q"].copy(), restored_model(setting, saved), saved_values(saved), tried, len(pairs))
+
+    def _save(self, record: Dyna) -> Saved:
+        """Also the pairs that were tried, in the order of their first trial."""
+        return {**super()._save(record), "tried": record.tried[: record.n[0]]}
+
+    def arrays(self, setting: Setting) -> dict[str, Declared]:
+        """Also those pairs."""
+        pairs = setting.n_states * setting.n_actions
+        return {**super().arrays(setting), "tried": counts(None, high=pairs - 1, dtype="<i8")}
+
+    def _fault(self, saved: Saved) -> str | None:
+        """Also whether they are those that were."""
+        tried = np.array_equal(np.sort(saved["tried"]), np.flatnonzero(saved["visits"]))
+        return super()._fault(saved) or (None if tried else "tried are not the pairs with visits")
 
     def updates_a_step(self, setting: Setting, saved: Saved) -> float:
         """As many as it is told."""

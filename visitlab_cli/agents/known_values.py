@@ -27,7 +27,7 @@ class Known(NamedTuple):
 
 
 class KnownValuesParameters(OneModelParameters):
-    """Its records have `known`, too; what they save is the same but for the order in which it was met."""
+    """Its records have `known`, too."""
 
     plans: ClassVar[bool] = False
     takes_masks: ClassVar[bool] = True
@@ -42,26 +42,28 @@ class KnownValuesParameters(OneModelParameters):
 
     def _save(self, record: Any) -> Saved:
         """Also the values of the states, and which are known."""
-        return {**super()._save(record), "values": record.known.values, "known": record.known.is_known}
+        known = record.known
+        return {**super()._save(record), "values": known.values, "known": known.is_known, "known_total": known.total}
 
     def arrays(self, setting: Setting) -> dict[str, Declared]:
         """The table, the model and the values."""
         states = setting.n_states
-        return {**super().arrays(setting), "values": floats(states), "known": counts(states, high=1, dtype="<i8")}
+        own = {"values": floats(states), "known": counts(states, high=1, dtype="<i8"), "known_total": floats(1)}
+        return {**super().arrays(setting), **own}
 
 
 def no_values(setting: Setting) -> Known:
     """No state is known."""
-    return _known(np.zeros(setting.n_states), np.zeros(setting.n_states, np.int64))
+    return _known(np.zeros(setting.n_states), np.zeros(setting.n_states, np.int64), np.zeros(1))
 
 
 def saved_values(saved: Saved) -> Known:
     """Those that were saved."""
-    return _known(saved["values"].copy(), saved["known"].copy())
+    return _known(saved["values"].copy(), saved["known"].copy(), saved["known_total"].copy())
 
 
-def _known(values: Table, is_known: Ints) -> Known:
-    return Known(values, is_known, np.array([values.sum()]), np.array([is_known.sum()], np.int64))
+def _known(values: Table, is_known: Ints, total: Table) -> Known:
+    return Known(values, is_known, total, np.array([is_known.sum()], np.int64))
 
 
 @kernel

@@ -136,9 +136,10 @@ class MultiModelParameters(SweptParameters):
         """What one model counted goes to another."""
         return True
 
-    def _create(self, setting: Setting) -> ModelBased:
-        """Q of zeros and an empty model."""
-        return self._one(zeros(setting), empty_model(setting, np.float64 if self.weighted else np.int32))
+    def _create(self, setting: Setting) -> ModelBased | MultiModel:
+        """Q of zeros and an empty model, in a visit the first of several."""
+        one = self._one(zeros(setting), empty_model(setting, np.float64 if self.weighted else np.int32))
+        return self._several(setting, super()._save(one)) if setting.task == VISIT else one
 
     def _restore(self, setting: Setting, saved: Saved) -> ModelBased | MultiModel:
         """Go on with one model, in a visit as the first of several."""

@@ -13,7 +13,7 @@ import numpy.typing as npt
 from pydantic import Field
 
 from visitlab_cli.agents.base import CHOOSE, CHOOSE_AS, LEARN, Saved, Setting, zeros
-from visitlab_cli.agents.declared import LARGEST, Declared
+from visitlab_cli.agents.declared import LARGEST, Declared, counts
 from visitlab_cli.agents.exploration import Table, epsilon_greedy, epsilon_greedy_as, maximum
 from visitlab_cli.agents.known_values import (
     Known,
@@ -50,6 +50,7 @@ class Sources(NamedTuple):
 
     last: Ints
     pair: Ints
+    state: Ints  # that the pair leads to
     before: Ints
     end: Ints
 
@@ -91,12 +92,13 @@ class PrioritizedSweepingParameters(KnownValuesParameters):
         """Go on with a saved model, its values and what was queued."""
         model, priorities = restored_model(setting, saved), saved["priorities"].copy()
         record = self._record(saved["q"].copy(), model, saved_values(saved), priorities)
-        queued = np.argsort(-priorities, kind="stable")[: np.count_nonzero(priorities)]  # in order, so a heap
+        queued = saved["queue"]
         record.queue.heap[: len(queued)] = queued
         record.queue.place[queued] = np.arange(len(queued))
         record.queue.size[0] = len(queued)
-        sources, states = record.sources, saved["successor_states"]
-        sources.pair[: len(states)] = np.repeat(np.arange(len(model.length)), model.length)
+        sources, states = record.sources, saved["lead_states"]
+        sources.pair[: len(states)] = saved["lead_pairs"]
+        sources.state[: len(states)] = states
         order = np.argsort(states, kind="stable")
         before = np.roll(order, 1)
         before[np.flatnonzero(np.diff(states[order], prepend=-1))] = NONE
@@ -106,12 +108,39 @@ class PrioritizedSweepingParameters(KnownValuesParameters):
         return record
 
     def _save(self, record: PrioritizedSweeping) -> Saved:
-        """Also the priorities of the queued states, 0 of the others."""
-        return {**super()._save(record), "priorities": record.queue.priority}
+        """Also the heap of states and their priorities, and which pairs lead to which, as they were met."""
+        queue, sources, end = record.queue, record.sources, record.sources.end[0]
+        return {
+            **super()._save(record),
+            "priorities": queue.priority,
+            "queue": queue.heap[: queue.size[0]],
+            "lead_pairs": sources.pair[:end],
+            "lead_states": sources.state[:end],
+        }
 
     def arrays(self, setting: Setting) -> dict[str, Declared]:
-        """Also the priorities."""
-        return {**super().arrays(setting), "priorities": Declared("<f8", (setting.n_states,), 0, LARGEST)}
+        """Also what is queued, and what leads where."""
+        states, pairs = setting.n_states, setting.n_states * setting.n_actions
+        return {
+            **super().arrays(setting),
+            "priorities": Declared("<f8", (states,), 0, LARGEST),
+            "queue": counts(None, high=states - 1, dtype="<i8"),
+            "lead_pairs": counts(None, high=pairs - 1, dtype="<i8"),
+            "lead_states": counts(None, high=states - 1, dtype="<i8"),
+        }
+
+    def _fault(self, saved: Saved) -> str | None:
+        """Also whether a state is queued once, and what leads where is what was counted."""
+        queue, n = saved["queue"], len(saved["q"])
+        if len(np.unique(queue)) != len(queue):
+            return "queue has a state twice"
+        pairs = np.repeat(np.arange(saved["visits"].size), np.diff(saved["successor_offsets"]))
+        counted = np.sort(pairs * n + saved["successor_states"])
+        if len(saved["lead_pairs"]) != len(saved["lead_states"]) or not np.array_equal(
+            np.sort(saved["lead_pairs"] * n + saved["lead_states"]), counted
+        ):
+            return "what leads where is not what was counted"
+        return super()._fault(saved)
 
     def updates_a_step(self, setting: Setting, saved: Saved) -> float:
         """All actions of the states that are backed up, where so many are queued."""
@@ -120,8 +149,8 @@ class PrioritizedSweepingParameters(KnownValuesParameters):
     def _record(self, q: Table, model: SparseModel, known: Known, priorities: Table) -> PrioritizedSweeping:
         states, links = len(q), len(model.pool_states)
         queue = Queue(np.zeros(states, np.int64), np.full(states, NONE), priorities, np.zeros(1, np.int64))
-        chains = np.full(states, NONE), np.empty(links, np.int64), np.empty(links, np.int64)
-        sources = Sources(*chains, np.zeros(1, np.int64))
+        pair, to, before = (np.empty(links, np.int64) for _ in range(3))
+        sources = Sources(np.full(states, NONE), pair, to, before, np.zeros(1, np.int64))
         numbers = float(self.gamma), float(self.epsilon), self.backups, float(self.theta)
         return PrioritizedSweeping(q, model, known, queue, sources, *numbers)
 
@@ -182,6 +211,7 @@ def lead(sources: Sources, pair: int, state: int) -> None:
     """Note that `pair` leads to `state`."""
     end = sources.end[0]
     sources.pair[end] = pair
+    sources.state[end] = state
     sources.before[end] = sources.last[state]
     sources.last[state] = end
     sources.end[0] = end + 1

@@ -24,7 +24,6 @@ HELP = Help(
     "Look",
     place=5,
     examples=(
-        "visitlab affordances quickstart",
         "visitlab affordances quickstart --experiment social --json",
         "visitlab affordances quickstart --intents --threshold 0.5 --trials 200",
     ),
