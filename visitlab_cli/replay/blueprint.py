@@ -49,7 +49,9 @@ def blueprint_of(shown: Scene, *, following: bool = False) -> rrb.Blueprint:
     states = rrb.StateTimelineView(origin="/", contents=lanes, name=names, time_view=axis)
     side = rrb.Vertical(*words, rrb.Horizontal(*curves), row_shares=[3.2, 3.9, 2.7])
     return rrb.Blueprint(
-        rrb.Vertical(rrb.Horizontal(left, side, column_shares=[1, 1]), states, row_shares=[4.4, 1]),
+        rrb.Vertical(
+            rrb.Horizontal(left, side, column_shares=[1, 1]), states, row_shares=[4.4, max(3, len(lanes)) / 3]
+        ),
         rrb.TimePanel(timeline=TIMELINE, fps=FRAMES_PER_SECOND, play_state=state, state="collapsed"),
         rrb.SelectionPanel(state="hidden"),
         rrb.BlueprintPanel(state="hidden"),
