@@ -67,3 +67,14 @@ def test_every_file_of_the_folder_is_found_and_no_other_kind():
         "coordinated", "prioritized_sweeping", "dyna", "multi_model",
     }  # fmt: skip
     assert all(issubclass(kind, AgentParameters) for kind in registry.KINDS.values())
+
+
+def test_whose_counts_may_become_fewer_says_so():
+    """So that nobody takes the difference of two of its models for what it met in between."""
+    forget = {
+        kind
+        for kind in ("model_based", "windowed", "forgetting", "multi_model")
+        if registry.KINDS[kind](kind=kind).forgets
+    }
+    assert forget == {"windowed", "forgetting", "multi_model"}
+    assert registry.KINDS["model_based"](kind="model_based", prior_strength=20).forgets

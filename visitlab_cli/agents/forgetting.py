@@ -8,9 +8,8 @@ import numpy.typing as npt
 from pydantic import Field
 
 from visitlab_cli.agents.base import CHOOSE, CHOOSE_AS, LEARN, Saved, Setting, zeros
-from visitlab_cli.agents.declared import LARGEST, Declared
 from visitlab_cli.agents.exploration import Table, epsilon_greedy, epsilon_greedy_as
-from visitlab_cli.agents.sparse_model import SparseModel, count, empty_model, restored_model, sweep
+from visitlab_cli.agents.sparse_model import SparseModel, cap, count, empty_model, restored_model, sweep
 from visitlab_cli.agents.swept import SweptParameters
 from visitlab_cli.compiled import kernel
 from visitlab_cli.random_numbers import RandomState
@@ -49,23 +48,14 @@ class ForgettingParameters(SweptParameters):
 
     def _restore(self, setting: Setting, saved: Saved) -> Forgetting:
         """Go on with a saved model, in which no pair counts more than `k`."""
-        scale = np.minimum(1.0, self.k / np.maximum(saved["visits"], 1.0))
-        lengths = np.diff(saved["successor_offsets"])
-        scaled = {
-            **saved,
-            "visits": saved["visits"] * scale,
-            "reward_sums": saved["reward_sums"] * scale,
-            "successor_counts": saved["successor_counts"] * np.repeat(scale.ravel(), lengths),
-        }
-        return self._record(saved["q"].copy(), restored_model(setting, scaled))
+        model = restored_model(setting, saved)
+        cap(model, self.k)
+        return self._record(saved["q"].copy(), model)
 
-    def arrays(self, setting: Setting) -> dict[str, Declared]:
-        """The table and the model, whose counts are floats."""
-        return {
-            **super().arrays(setting),
-            "visits": Declared("<f8", (setting.n_states, setting.n_actions), 0, LARGEST),
-            "successor_counts": Declared("<f8", (None,), 0, LARGEST),
-        }
+    @property
+    def weighted(self) -> bool:
+        """What fades is no whole number."""
+        return True
 
     def _record(self, q: Table, model: SparseModel) -> Forgetting:
         gamma, epsilon = float(self.gamma), float(self.epsilon)

@@ -46,6 +46,11 @@ class WindowedParameters(SweptParameters):
     kind: Literal["windowed"]
     k: int = Field(default=50, ge=1, le=1000, description="outcomes of each pair that count: the last so many")
 
+    @property
+    def forgets(self) -> bool:
+        """What leaves a window is not counted any more."""
+        return True
+
     def _create(self, setting: Setting) -> Windowed:
         """Q of zeros, an empty model and empty windows."""
         return self._record(zeros(setting), empty_model(setting))

@@ -13,13 +13,12 @@ Ints = npt.NDArray[np.int64]
 
 
 class Met(NamedTuple):
-    """A phase: its human and first step, and whether at each of its steps the human's own model was active.
+    """A phase: its human, and whether at each of its steps the human's own model was active.
 
     A human's own model is the one that was active in most of the steps with that human, over all phases.
     """
 
     human: str
-    begins: int
     own: npt.NDArray[np.bool_]
 
     @property
@@ -38,15 +37,9 @@ def active_models(saved: Saved, steps: int) -> Ints:
 
 def met(cell: Cell, saved: Saved) -> Iterator[Met]:
     """Each phase of a cell whose agent has several models, from what it saved."""
-    active = active_models(saved, cell.steps)
     ends = np.cumsum(cell.settings.phase_trials) * cell.settings.trial_steps
-    phases = [
-        (phase.met, int(end) - length, int(end))
-        for phase, end, length in zip(cell.settings.phases, ends, np.diff(ends, prepend=0).tolist(), strict=True)
-    ]
-    with_human: dict[str, list[Ints]] = {}
-    for human, begins, end in phases:
-        with_human.setdefault(human, []).append(active[begins:end])
-    own = {human: int(np.bincount(np.concatenate(parts)).argmax()) for human, parts in with_human.items()}
-    for human, begins, end in phases:
-        yield Met(human, begins, active[begins:end] == own[human])
+    active = np.split(active_models(saved, cell.steps), ends[:-1])
+    humans = [phase.met for phase in cell.settings.phases]
+    for human, models in zip(humans, active, strict=True):
+        of_human = np.concatenate([each for each, there in zip(active, humans, strict=True) if there == human])
+        yield Met(human, models == np.bincount(of_human).argmax())
