@@ -8,7 +8,7 @@ import typer
 
 from visitlab_cli.console import completion
 from visitlab_cli.console.help import Help
-from visitlab_cli.console.options import RUNS, DryRun, Json, NoColor, Out, Plugins, Quiet, Run, Verbose, Workers
+from visitlab_cli.console.options import RUNS, DryRun, Json, NoColor, Out, Plugins, Quiet, Run, Shard, Verbose, Workers
 
 if TYPE_CHECKING:
     from visitlab_cli.config.model import Config
@@ -46,6 +46,7 @@ def command(
     plugin: Plugins = None,
     out: Out = RUNS,
     workers: Workers = 0,
+    shard: Shard = "",
     dry_run: DryRun = False,
     as_json: Json = False,
     quiet: Quiet = False,
@@ -80,7 +81,7 @@ def command(
         for name in [experiment] if experiment else visits:
             if config.experiments[name].phases:
                 raise UsageError(f"--trials: {name} has phases, which say their trials; say --human, too")
-    how = How(workers, dry_run, as_json, quiet, verbose)
+    how = How(workers, dry_run, as_json, quiet, verbose, shard)
     if matrix:
         planned = planned_cells(folder, config, experiment or visits[0], human or (), trials)
         _check_trained(folder, config, [cell for cells in planned.values() for cell in cells])

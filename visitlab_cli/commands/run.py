@@ -11,6 +11,7 @@ from visitlab_cli.console.options import (
     Overrides,
     Plugins,
     Quiet,
+    Shard,
     Verbose,
     Workers,
 )
@@ -31,6 +32,7 @@ def command(
     plugin: Plugins = None,
     out: Out = RUNS,
     workers: Workers = 0,
+    shard: Shard = "",
     dry_run: DryRun = False,
     as_json: Json = False,
     quiet: Quiet = False,
@@ -43,4 +45,4 @@ def command(
     from visitlab_cli.plan.cells import plan
 
     loaded = load(config, overrides or [])
-    run_config(out, loaded, plan, How(workers, dry_run, as_json, quiet, verbose))
+    run_config(out, loaded, plan, How(workers, dry_run, as_json, quiet, verbose, shard))

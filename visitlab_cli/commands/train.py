@@ -13,6 +13,7 @@ from visitlab_cli.console.options import (
     Overrides,
     Plugins,
     Quiet,
+    Shard,
     Verbose,
     Workers,
 )
@@ -38,6 +39,7 @@ def command(
     plugin: Plugins = None,
     out: Out = RUNS,
     workers: Workers = 0,
+    shard: Shard = "",
     dry_run: DryRun = False,
     as_json: Json = False,
     quiet: Quiet = False,
@@ -49,7 +51,7 @@ def command(
     from visitlab_cli.console.running import How, run_config
 
     loaded = load(config, overrides or [])
-    run_config(out, loaded, _trainings, How(workers, dry_run, as_json, quiet, verbose))
+    run_config(out, loaded, _trainings, How(workers, dry_run, as_json, quiet, verbose, shard))
 
 
 def _trainings(config: "AnyConfig") -> "list[Cell]":

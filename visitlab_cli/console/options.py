@@ -1,6 +1,7 @@
 """Options and arguments that several commands share."""
 
 import os
+import re
 from pathlib import Path
 from typing import Annotated
 
@@ -24,6 +25,16 @@ def _use_plugins(named: list[Path] | None) -> list[Path] | None:
         if before:
             tell(f"plug-ins of {VARIABLE}: {before}", err=True)
     return named
+
+
+def _check_shard(word: str) -> str:
+    found = re.fullmatch(r"([1-9]\d{0,5})/([1-9]\d{0,5})", word, re.ASCII)
+    if word and (found is None or int(found[1]) > int(found[2])):
+        from visitlab_cli.errors import UsageError
+        from visitlab_cli.wording import printable
+
+        raise UsageError(f"--shard {printable(word)}: must be I/N, such as 2/8, with I from 1 to N")
+    return word
 
 
 Config = Annotated[
@@ -97,6 +108,14 @@ Plugins = Annotated[
 Out = Annotated[Path, typer.Option("--out", help="The folder of all runs.")]
 Workers = Annotated[
     int, typer.Option("--workers", "-w", min=0, max=1024, help="Processes; 0: as many as there are cores.")
+]
+Shard = Annotated[
+    str,
+    typer.Option(
+        metavar="I/N",
+        help="The I-th of N parts alone, for N runners, such as jobs of a cluster.",
+        callback=_check_shard,
+    ),
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print the result as JSON.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Tell nothing but failures and the result.")]

@@ -23,13 +23,14 @@ WHICH = "module or visit"
 
 
 class How(NamedTuple):
-    """The options that `run`, `train` and `eval` share; `workers` 0: as many as there are cores."""
+    """The options that `run`, `train` and `eval` share; `workers` 0: as many as there are cores; `shard` '': all."""
 
     workers: int
     dry_run: bool
     as_json: bool
     quiet: bool
     verbose: bool
+    shard: str = ""
 
 
 def run_config(out: Path, config: "Config", cells_of: "Callable[[Config], list[Cell]]", how: How) -> None:
@@ -75,6 +76,8 @@ def held_run(out: Path, config: "Config", say: "Callable[[str], None]") -> "Iter
 def run_and_tell(run: Path, config: "Config", cells: "Sequence[Cell]", how: How) -> None:
     """Run the missing cells and print the results; with `dry_run` only tell what there is to do.
 
+    A shard tells what is there by now, and expects nothing of groups that are not finished.
+
     Raises:
         RunError: a cell failed, or a value is not what the config expects.
         UsageError: quiet and verbose at once.
@@ -85,6 +88,8 @@ def run_and_tell(run: Path, config: "Config", cells: "Sequence[Cell]", how: How)
     from visitlab_cli.results.expected import results
 
     lines = results(run, config, cells)
+    if how.shard:
+        lines = [line.if_finished() for line in lines if line.done]
     if how.as_json:
         tell_json({"run": str(run), "results": [line.as_json() for line in lines]})
     else:
@@ -105,6 +110,10 @@ def run_missing(run: Path, cells: "Sequence[Cell]", how: How) -> "Failures | Non
     workers = how.workers or cores()
     if how.quiet and how.verbose:
         raise UsageError("--quiet and --verbose: choose one")
+    if how.shard:
+        from visitlab_cli.plan.shards import Shard
+
+        cells = Shard.from_words(how.shard).of(cells)
     if how.dry_run:
         from visitlab_cli.console.dry_run import tell_plan
 

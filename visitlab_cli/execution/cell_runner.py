@@ -64,7 +64,7 @@ def _run_cell(run: Path, cell: Cell, report: Report) -> None:
         with _recorder(cell, new.folder / STEPS) as record:
 
             def alive(steps: int) -> None:
-                new.beat()
+                new.beat(steps)
                 report(steps)
 
             trial_rewards, spent = simulate(simulation, random, record, alive)

@@ -101,10 +101,8 @@ class Progress:
         self.say(f"{self._description()}, {done / self._steps:.0%} of the steps, {speed:,.0f} steps/s{left}")
 
     def _end(self, cell: Cell) -> None:
-        self._ended += 1
         self.update(cell, cell.steps)
-        if cell.path in self._bar_of:
-            self._bars.remove_task(self._bar_of.pop(cell.path))
+        self.done_elsewhere(cell)
 
     def finished(self, cell: Cell, facts: dict[str, Any] | None) -> None:
         """`cell` is done: its line of result."""
@@ -114,6 +112,14 @@ class Progress:
             seconds = self._clock() - self._begun[cell.path]
             speed = f"; {seconds:.1f} s, {cell.steps / max(seconds, 1e-9):,.0f} steps/s" if self.verbose else ""
             self.say(f"{cell.path}: {reward:.2f} reward a trial in the last 1% of {facts['trials']:,} trials{speed}")
+
+    def done_elsewhere(self, cell: Cell) -> None:
+        """Another runner has done `cell`."""
+        self._ended += 1
+        self._done[cell.path] = cell.steps
+        if cell.path in self._bar_of:
+            self._bars.remove_task(self._bar_of.pop(cell.path))
+        self._bars.update(self._total, completed=sum(self._done.values()), description=self._description())
 
     def failed(self, cell: Cell, line: str) -> None:
         """`cell` failed; this is told in any case."""

@@ -1,4 +1,7 @@
-"""Running what is missing of a plan: order, retries, interruption. The run folder alone is the truth."""
+"""Running what is missing of a plan: order, retries, interruption, what other runners of the run do meanwhile.
+
+The run folder alone is the truth.
+"""
 
 import signal
 import threading
@@ -11,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from visitlab_cli.errors import Interrupted, VisitlabError
+from visitlab_cli.execution.order import Order
 from visitlab_cli.execution.progress import Progress
 from visitlab_cli.execution.silence import Silence
 from visitlab_cli.execution.workers import OtherCodeError, Workers
@@ -18,9 +22,13 @@ from visitlab_cli.plan.cells import Cell
 from visitlab_cli.plan.evaluation import record_evaluation
 from visitlab_cli.stopping import check_asked, ending_signals
 from visitlab_cli.storage.cell_folder import read_cell, remove_leftovers
-from visitlab_cli.storage.inside import check_all_inside
+from visitlab_cli.storage.claims import Claims, Owner
+from visitlab_cli.storage.inside import check_all_inside, look_anew
+from visitlab_cli.storage.reading import UnreadableError
 
 POLL_SECONDS = 0.1
+LOOK_SECONDS, LOOK_SHARE = 1.0, 0.1
+"""How often the cells of other runners are looked at, and which part of the time that takes at most."""
 DEATHS_GIVEN_UP = 3
 
 Failures = dict[str, str]
@@ -48,20 +56,31 @@ def run_cells(run: Path, cells: Sequence[Cell], workers: int, progress: Progress
         return {}
     check_asked()
     pool = Workers(min(workers, len(missing)))
+    claims = Claims(run)
     with _signals(pool) as stopped, progress.over(missing):
         try:
-            return _Running(run, missing, pool, progress, stopped).finish()
+            return _Running(run, missing, pool, progress, claims, stopped).finish()
         finally:
             pool.close()
+            claims.close()
             remove_leftovers(run)  # of workers that were killed
 
 
 class _Running:
     def __init__(
-        self, run: Path, cells: Sequence[Cell], pool: Workers, progress: Progress, stopped: Callable[[], bool]
+        self,
+        run: Path,
+        cells: Sequence[Cell],
+        pool: Workers,
+        progress: Progress,
+        claims: Claims,
+        stopped: Callable[[], bool],
     ) -> None:
-        self.run, self.pool, self.progress, self.stopped = run, pool, progress, stopped
-        self.waiting = list(cells)
+        self.run, self.pool, self.progress, self.claims, self.stopped = run, pool, progress, claims, stopped
+        self.order = Order(cells)
+        self.elsewhere: dict[str, Cell] = {}  # other runners do them
+        self.others: set[Owner] = set()
+        self.next_look = 0.0
         self.suspects: list[Cell] = []  # were running when a worker died: one of them may have killed it
         self.running: dict[Future[None], tuple[Cell, int]] = {}
         self.free_slots = list(range(pool.count))
@@ -71,14 +90,18 @@ class _Running:
         self.other_code: OtherCodeError | None = None
 
     def finish(self) -> Failures:
-        while self.waiting or self.suspects or self.running:
+        while self.order or self.suspects or self.running or self.elsewhere:
             if self.stopped() or self.other_code is not None:
                 self.pool.stop()
-                self.waiting, self.suspects = [], []
+                self.order.clear()
+                self.suspects, self.elsewhere = [], {}
             for cell in self._startable():
                 if not self._start(cell):
                     break
             done, _ = wait(self.running, timeout=POLL_SECONDS, return_when=FIRST_COMPLETED)
+            if self.elsewhere and not self.running:
+                time.sleep(POLL_SECONDS)
+            self.claims.beat()
             self.silence.looks(time.monotonic())
             for cell, slot in self.running.values():
                 steps = self.pool.steps_done(slot)
@@ -100,6 +123,7 @@ class _Running:
             self.silence.begins(cell)
         except BrokenExecutor:
             self.free_slots.append(slot)
+            self.claims.release(cell.path)
             self.suspects.insert(0, cell)
             if not self.running:
                 self.pool.replace()
@@ -114,33 +138,60 @@ class _Running:
 
     def _startable(self) -> Iterator[Cell]:
         if self.suspects:
-            if not self.running:
-                yield self.suspects.pop(0)
-            return
-        ahead = {cell.path for cell in self.waiting} | {cell.path for cell, _ in self.running.values()}
-        for cell in list(self.waiting):
-            if not self.free_slots:
-                return
-            needed = cell.modules.values()
-            failed = [path for path in needed if path in self.failures]
-            if cell.absent:
-                path, why = next(iter(cell.absent.items()))
-                self._fail(cell, f"{path}: {why}")
-                self.waiting.remove(cell)
-            elif failed:
-                self._fail(cell, f"needs {failed[0]}, which failed")
-                self.waiting.remove(cell)
-            elif not any(path in ahead for path in needed):
-                self.waiting.remove(cell)
+            if not self.running and self._is_ours(cell := self.suspects.pop(0)):
                 yield cell
+            return
+        while self.free_slots and not self.stopped() and (next_one := self.order.next()) is not None:
+            if next_one.absent:
+                self._fail(next_one, _absent(next_one))
+            elif self._is_ours(next_one):
+                yield next_one
+        if self.free_slots and self.elsewhere and time.monotonic() >= self.next_look:
+            begun = time.monotonic()
+            for cell in list(self.elsewhere.values()):
+                if self.free_slots and self._is_ours(self.elsewhere.pop(cell.path)):
+                    yield cell
+            self.next_look = time.monotonic() + max(LOOK_SECONDS, (time.monotonic() - begun) / LOOK_SHARE)
+
+    def _is_ours(self, cell: Cell) -> bool:
+        """Claim a cell: not where it is done by now, nor where another runner does it."""
+        if self._is_done(cell):
+            return False
+        if (other := self.claims.take(cell.path)) is not None:
+            self.elsewhere[cell.path] = cell
+            self._meet(other)
+            return False
+        if self._is_done(cell):  # between the two looks
+            self.claims.release(cell.path)
+            return False
+        return True
+
+    def _is_done(self, cell: Cell) -> bool:
+        try:
+            look_anew(self.run, cell.path)
+            done = read_cell(self.run / cell.path) is not None
+        except UnreadableError:
+            return False  # doing it will tell
+        if done:
+            self.order.done(cell.path)
+            self.progress.done_elsewhere(cell)
+        return done
+
+    def _meet(self, other: Owner) -> None:
+        if other not in self.others:
+            self.others.add(other)
+            who = f"process {other.process} on {other.host}"
+            self.progress.say(f"{self.run}: {who} runs it, too: each does the cells that the other does not")
 
     def _collect(self, done: set[Future[None]]) -> None:
         broken = []
         for future in done:
             cell, slot = self.running.pop(future)
             self.free_slots.append(slot)
+            self.claims.release(cell.path)
             error = future.exception()
             if error is None:
+                self.order.done(cell.path)
                 self.progress.finished(cell, read_cell(self.run / cell.path))
             elif isinstance(error, OtherCodeError):
                 self.other_code = error
@@ -157,6 +208,7 @@ class _Running:
 
     def _died(self, cells: Sequence[Cell]) -> None:
         for cell in cells:
+            self.claims.release(cell.path)
             self.deaths[cell.path] += 1
             if self.deaths[cell.path] >= DEATHS_GIVEN_UP:
                 self._fail(cell, f"its worker process died {DEATHS_GIVEN_UP} times (out of memory?)")
@@ -166,6 +218,13 @@ class _Running:
     def _fail(self, cell: Cell, line: str) -> None:
         self.failures[cell.path] = line
         self.progress.failed(cell, line)
+        for needing in self.order.failed(cell.path):
+            self._fail(needing, _absent(needing) or f"needs {cell.path}, which failed")
+
+
+def _absent(cell: Cell) -> str:
+    """What a cell needs that can't be had here; empty where there is nothing."""
+    return next((f"{path}: {why}" for path, why in cell.absent.items()), "")
 
 
 def _in_one_line(error: BaseException) -> str:

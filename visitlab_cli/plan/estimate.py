@@ -44,14 +44,15 @@ def estimate(cells: Sequence[Cell], workers: int) -> Estimate:
 
     A cell runs on one worker and a visit waits for its modules, so more workers than cells gain nothing.
     """
-    seconds = {cell.path: _seconds(cell) for cell in cells}
+    seconds = {cell.path: seconds_of(cell) for cell in cells}
     longest = max(_ends(cells, seconds).values(), default=0.0)
     shared = sum(seconds.values()) / max(workers, 1)
     size = sum(_bytes(cell) for cell in cells)
     return Estimate(len(cells), sum(cell.steps for cell in cells), max(shared, longest), round(size))
 
 
-def _seconds(cell: Cell) -> float:
+def seconds_of(cell: Cell) -> float:
+    """What a cell would take of one core."""
     agent = RandomParameters if cell.frozen else cell.config.agents[cell.agent]  # frozen: neither learns nor plans
     told = agent.microseconds_a_step.get(cell.task, PLAIN if not agent.compiled() else _dearest(cell.task))
     planning = cell.trials * cell.settings.seconds_a_trial

@@ -1,7 +1,7 @@
 """The table of a run: for each module and visit the mean over its seeds, beside what the config expects of it."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from statistics import fmean
@@ -40,6 +40,10 @@ class Result:
     def missed(self) -> bool:
         """Whether the difference is beyond the tolerance."""
         return self.difference is not None and self.tolerance is not None and abs(self.difference) > self.tolerance
+
+    def if_finished(self) -> "Result":
+        """The line, without what is expected where cells are missing."""
+        return self if self.done == self.cells else replace(self, expected=None, tolerance=None)
 
     def as_json(self) -> dict[str, Any]:
         """The line as plain values."""

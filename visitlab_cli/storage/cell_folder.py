@@ -140,14 +140,14 @@ class NewCell:
         """Begin the cell `path` (relative to the folder `run`)."""
         self.place = run / path
         self.folder = run / f"{TEMPORARY}{path.replace('/', '-')[:100]}-{uuid.uuid4().hex[:8]}"
-        self._run = run
+        self._run, self._path = run, path
 
     def __enter__(self) -> Self:
         """Lock the file beside the hidden folder, then make that."""
         check_inside(self._run, self.place)
         try:
             self._run.mkdir(parents=True, exist_ok=True)
-            held = lock(lock_of(self.folder))
+            held = lock(lock_of(self.folder), cell=self._path, steps=0)
             try:
                 self.folder.mkdir()
             except OSError:
@@ -159,9 +159,9 @@ class NewCell:
         self._held, self._heart = held, Heart(held)
         return self
 
-    def beat(self) -> None:
-        """Give a sign of life, as whoever writes for long must."""
-        self._heart.beat()
+    def beat(self, steps: int) -> None:
+        """Give a sign of life, as whoever writes for long must, and say how many steps are done."""
+        self._heart.beat(cell=self._path, steps=steps)
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
@@ -238,20 +238,22 @@ def is_left_over(path: Path) -> bool:
     """Whether a hidden folder, or its lock file, is of somebody who is surely gone."""
     file = path if path.name.endswith(LOCK) else lock_of(path)
     if not file.is_symlink() and file.exists():
-        return is_abandoned(file, begun=file.with_name(file.name.removesuffix(LOCK)).exists())
+        return is_abandoned(file, begun=_has_begun(file))
     return older_than_an_hour(path)  # of a version that had no lock files, or half removed
+
+
+def _has_begun(file: Path) -> bool:
+    """Whether the folder that a lock file is of is there; a claim has none."""
+    return file.with_name(file.name.removesuffix(LOCK)).exists()
 
 
 def remove_leftovers(run: Path) -> None:
     """Remove what processes left that are surely gone, folders before their locks; what is being written stays."""
     found = [path for path in temporaries(run) if path.is_dir() or path.name.endswith(LOCK)]
     for path in sorted(found, key=lambda path: path.name.endswith(LOCK)):
-        if not is_left_over(path):
-            continue
         if path.is_file():
-            with contextlib.suppress(OSError):
-                path.unlink()
-        else:
+            is_abandoned(path, begun=_has_begun(path), remove=True)
+        elif is_left_over(path):
             shutil.rmtree(path, ignore_errors=True)
             with contextlib.suppress(OSError):
                 lock_of(path).unlink()

@@ -57,3 +57,14 @@ def _target(path: Path) -> str:
 def is_real(path: Path) -> bool:
     """Whether a folder is there and is no link."""
     return path.is_dir() and not path.is_symlink()
+
+
+def look_anew(run: Path, place: str) -> None:
+    """Let the system forget that something was not there: a network file system asks again once a folder is opened."""
+    folder = run
+    for part in ("", *place.split("/")[:-1]):
+        folder /= part
+        try:
+            os.close(os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC))
+        except OSError:
+            return

@@ -24,8 +24,8 @@ from visitlab_cli.errors import RunError, reason
 
 SILENT = 3600.0
 """Seconds without a sign of life after which an owner on another machine is gone."""
-BEAT = 60.0
-"""Seconds between two signs of life."""
+BEAT = 2.0
+"""Seconds between two signs of life of a cell that is written."""
 LONGEST = 4096
 """Bytes of a lock file that are read."""
 HELD = {errno.EWOULDBLOCK, errno.EAGAIN}
@@ -44,37 +44,57 @@ class Lock(NamedTuple):
     descriptor: int
     works: bool
 
-    def beat(self) -> None:
-        """Give a sign of life; where none can be given, none is."""
+    def state(self, **told: object) -> None:
+        """Say in the file who has it, and what else there is to tell.
+
+        Raises:
+            OSError: it can't be written.
+        """
+        content = json.dumps({**_me(), **told}).encode()
+        os.pwrite(self.descriptor, content, 0)
+        os.ftruncate(self.descriptor, len(content))
+
+    def beat(self, **told: object) -> None:
+        """Give a sign of life, and say what there is to tell; where none can be given, none is."""
         with contextlib.suppress(OSError):
-            os.utime(self.descriptor)
+            if told:
+                self.state(**told)
+            os.utime(self.descriptor)  # also sends what was said to where others read it
 
     def release(self, *, remove: bool) -> None:
-        """Let go, and take the file away where it is no longer of use."""
+        """Let go, and take the file away where it is no longer of use and still this one."""
         if remove:
             with contextlib.suppress(OSError):
-                self.file.unlink()
+                if _is_still(self.file, self.descriptor):
+                    self.file.unlink()
         os.close(self.descriptor)
 
 
-def lock(file: Path, *, shared: bool = False) -> Lock:
+def lock(file: Path, *, shared: bool = False, new: bool = False, **told: object) -> Lock:
     """Lock `file`, made where it is not there, for this process, or for all that share it.
+
+    Args:
+        file: the lock file.
+        shared: whether others may have it, too; then it says nothing.
+        new: whether it must not be there yet.
+        told: what it says beside its owner.
 
     Raises:
         HeldError: somebody else has it.
-        OSError: it can't be made.
+        OSError: it can't be made; FileExistsError: it was to be new.
     """
     for _ in range(TRIES):
         flags = os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC
-        descriptor = os.open(file, flags, 0o644)
+        descriptor = os.open(file, flags | (os.O_EXCL if new else 0), 0o644)
         try:
             if not stat.S_ISREG(os.fstat(descriptor).st_mode):
                 raise OSError(errno.EINVAL, "is no file")
             works = _flock(descriptor, fcntl.LOCK_SH if shared else fcntl.LOCK_EX)
             if _is_still(file, descriptor):
+                held = Lock(file, descriptor, works)
                 if not shared:
-                    _state_owner(descriptor)
-                return Lock(file, descriptor, works)
+                    held.state(**told)
+                return held
         except BaseException:
             os.close(descriptor)
             raise
@@ -98,11 +118,6 @@ def _is_still(file: Path, descriptor: int) -> bool:
         return os.path.samestat(os.lstat(file), os.fstat(descriptor))
     except FileNotFoundError:
         return False
-
-
-def _state_owner(descriptor: int) -> None:
-    os.ftruncate(descriptor, 0)
-    os.pwrite(descriptor, json.dumps(_me()).encode(), 0)
 
 
 def _me() -> dict[str, Any]:
@@ -131,12 +146,13 @@ def _started(process: int) -> str:
         return ""
 
 
-def is_abandoned(file: Path, *, begun: bool = True) -> bool:
+def is_abandoned(file: Path, *, begun: bool = True, remove: bool = False) -> bool:
     """Whether who made a lock file is surely gone; also where there is no file any more.
 
     Args:
         file: the lock file.
         begun: whether what it locks is there; its owner states itself before that.
+        remove: whether to take the file away then, before anybody can lock it.
     """
     try:
         held = lock_of_other(file)
@@ -144,20 +160,67 @@ def is_abandoned(file: Path, *, begun: bool = True) -> bool:
         return True
     except (HeldError, OSError):
         return False
+    gone: bool | None = False
     try:
-        owner = _owner(held.descriptor)
-        if not owner and not begun and held.works:
-            return True  # killed before it said who it was; who is only about to say it makes another
-        if owner.get("machine") == _machine():
-            return not _lives(owner)
-        same_machine = str(owner.get("machine", "")).split(" ")[0] == socket.gethostname()
-        if same_machine and len(_machine().split(" ")) > 1 and _other_boot(owner):
-            return True
-        return _clock(file.parent) - os.fstat(held.descriptor).st_mtime > SILENT
+        gone = is_gone(owner_in(held.descriptor), told=begun or not held.works)
+        if gone is None:
+            gone = _clock(file.parent) - os.fstat(held.descriptor).st_mtime > SILENT
     except OSError:
-        return False
+        pass
     finally:
-        held.release(remove=False)
+        held.release(remove=remove and bool(gone))
+    return bool(gone)
+
+
+def is_gone(owner: dict[str, Any], *, told: bool) -> bool | None:
+    """Whether the owner of a file that nobody locks is gone; None where this machine can't tell.
+
+    Args:
+        owner: what the file says of it.
+        told: whether it must have said something; one that was killed before is gone, and who is only about to say it
+            makes another file.
+    """
+    if not owner and not told:
+        return True
+    if owner.get("machine") == _machine():
+        return not lives(owner)
+    same_machine = str(owner.get("machine", "")).split(" ")[0] == socket.gethostname()
+    return True if same_machine and len(_machine().split(" ")) > 1 and _other_boot(owner) else None
+
+
+Changes = tuple[int, ...]
+"""Of a lock file: what is another after each sign of life, whatever the clocks say."""
+
+
+def owner_unless(is_silent: Callable[[Changes], bool], file: Path) -> dict[str, Any] | None:
+    """What a lock file says of its owner; None where that one is gone, or silent: then the file is taken away.
+
+    Raises:
+        FileNotFoundError: it is not there, or not any more.
+        OSError: it can't be opened.
+    """
+    descriptor = _open_file(file)
+    try:
+        status = os.fstat(descriptor)
+        if not stat.S_ISREG(status.st_mode):
+            raise OSError(errno.EINVAL, "is no file")
+        owner = owner_in(descriptor)
+        try:
+            gone = is_gone(owner, told=not _flock(descriptor, fcntl.LOCK_EX))
+        except HeldError:
+            gone = False
+        if not _is_still(file, descriptor):
+            raise FileNotFoundError
+        if gone or is_silent((status.st_ino, status.st_mtime_ns, status.st_ctime_ns)):
+            file.unlink()
+            return None
+        return owner
+    finally:
+        os.close(descriptor)
+
+
+def _open_file(file: Path) -> int:
+    return os.open(file, os.O_RDWR | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
 
 
 def lock_of_other(file: Path) -> Lock:
@@ -168,7 +231,7 @@ def lock_of_other(file: Path) -> Lock:
         HeldError: somebody has it.
         OSError: it can't be opened.
     """
-    descriptor = os.open(file, os.O_RDWR | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
+    descriptor = _open_file(file)
     try:
         return Lock(file, descriptor, _flock(descriptor, fcntl.LOCK_EX))
     except BaseException:
@@ -176,7 +239,8 @@ def lock_of_other(file: Path) -> Lock:
         raise
 
 
-def _owner(descriptor: int) -> dict[str, Any]:
+def owner_in(descriptor: int) -> dict[str, Any]:
+    """What an open lock file says of its owner; empty where it says nothing that can be read."""
     try:
         owner = json.loads(os.pread(descriptor, LONGEST, 0))
     except (ValueError, RecursionError):
@@ -189,7 +253,8 @@ def _other_boot(owner: dict[str, Any]) -> bool:
     return len(theirs) == len(ours) > 1 and theirs[1] != ours[1]
 
 
-def _lives(owner: dict[str, Any]) -> bool:
+def lives(owner: dict[str, Any]) -> bool:
+    """Whether the owner, a process of this machine, lives."""
     process = owner.get("process")
     if not isinstance(process, int) or process <= 0:
         return False
@@ -278,16 +343,16 @@ def to_remove(run: Path) -> Iterator[None]:
 
 
 class Heart:
-    """Gives signs of life for a lock, once a minute at most."""
+    """Gives signs of life for a lock, every two seconds at most."""
 
     def __init__(self, held: Lock) -> None:
         """Of `held`."""
         self._held = held
         self._last = time.monotonic()
 
-    def beat(self) -> None:
-        """Give one, if it is time."""
+    def beat(self, **told: object) -> None:
+        """Give one, if it is time, with what there is to tell."""
         now = time.monotonic()
         if now - self._last >= BEAT:
             self._last = now
-            self._held.beat()
+            self._held.beat(**told)
