@@ -1,6 +1,6 @@
 """What `visitlab eval` with options of its own played on a run's models."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from visitlab_cli.config.model import Config
@@ -15,14 +15,16 @@ def evaluated(run: Path, config: Config) -> dict[Evaluation, list[Cell]]:
 
     An evaluation says nothing of which visits it played: what has begun, it played.
     """
-    found = {options: list(_begun(run, config, options)) for options in recorded_evaluations(run)}
+    found = {options: list(_begun(run, cells_of(config, options))) for options in recorded_evaluations(run)}
     return {options: cells for options, cells in found.items() if cells}
 
 
-def _begun(run: Path, config: Config, options: Evaluation) -> Iterator[Cell]:
-    if not _declared(config, options):
-        return
-    cells = plan(config, options)
+def cells_of(config: Config, options: Evaluation) -> list[Cell]:
+    """All cells that an evaluation may have; none where the config has not what its options name."""
+    return plan(config, options) if _declared(config, options) else []
+
+
+def _begun(run: Path, cells: Sequence[Cell]) -> Iterator[Cell]:
     begun = {cell.group for cell in cells if read_cell(run / cell.path) is not None}
     yield from (cell for cell in cells if cell.group in begun)
 

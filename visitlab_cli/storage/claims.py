@@ -43,11 +43,6 @@ def claim_file(run: Path, path: str) -> Path:
     return run / f"{CLAIM}{path.replace('/', '-')[:LONGEST_NAME]}-{digest}{LOCK}"
 
 
-def is_claim(file: Path) -> bool:
-    """Whether a file is called as a claim is."""
-    return file.name.startswith(CLAIM) and file.name.endswith(LOCK)
-
-
 def owner_of(told: dict[str, Any]) -> Owner:
     """Who has what a lock file is of, from what the file says."""
     process = told.get("process")

@@ -239,6 +239,20 @@ def lock_of_other(file: Path) -> Lock:
         raise
 
 
+def told_in(file: Path) -> dict[str, Any]:
+    """What a lock file says of its owner and of what that does; empty where there is nothing that can be read."""
+    try:
+        descriptor = os.open(file, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
+    except OSError:
+        return {}
+    try:
+        return owner_in(descriptor)
+    except OSError:
+        return {}
+    finally:
+        os.close(descriptor)
+
+
 def owner_in(descriptor: int) -> dict[str, Any]:
     """What an open lock file says of its owner; empty where it says nothing that can be read."""
     try:

@@ -80,9 +80,13 @@ def _prune(run: Path, dry_run: bool) -> Pruned:
 def _in_use(path: Path) -> str | None:
     if not path.name.startswith(TEMPORARY):
         return None
-    waits = _is_folder(path) or path.name.endswith(LOCK)
-    busy = not is_left_over(path) if waits else time.time() - path.lstat().st_mtime < YOUNG
+    busy = not is_left_over(path) if _is_locked(path) else time.time() - path.lstat().st_mtime < YOUNG
     return "is being written" if busy else None
+
+
+def _is_locked(path: Path) -> bool:
+    """Whether it is something temporary that says who writes it: a cell's folder or its lock file, or a claim."""
+    return _is_folder(path) or path.name.endswith(LOCK)
 
 
 def _holds_foreign(path: Path) -> str | None:
@@ -106,7 +110,7 @@ def check_removable(run: Path) -> None:
         raise NotFoundError(f"{run}: not a run (a run's folder is called name-hash and has {CONFIG} and {VERSIONS})")
     if hash_of_name(run) is None:
         raise RunError(f"{run}: was renamed, so that it may be kept; to remove it, rename it to {_name_made_with(run)}")
-    busy = [path.name for path in leftovers(run) if _is_folder(path) and not is_left_over(path)]
+    busy = [path.name for path in leftovers(run) if _is_locked(path) and not is_left_over(path)]
     if busy:
         raise RunError(f"{run}: is being written ({busy[0]}); stop that first")
     foreign = next(foreign_files(run), None)

@@ -2,4 +2,4 @@
 
 from visitlab_cli.console.help import Help
 
-HELP = Help("Runs", place=1, summary="List, show, compare, check and remove runs.")
+HELP = Help("Runs", place=1, summary="List, show, watch, compare, check and remove runs.")

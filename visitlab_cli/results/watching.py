@@ -1,0 +1,107 @@
+"""How far a run is, whoever does it and wherever: what is done, and what is being done, looked at repeatedly."""
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from visitlab_cli.config.model import Config
+from visitlab_cli.plan.cells import Cell, plan
+from visitlab_cli.plan.estimate import seconds_of
+from visitlab_cli.plan.evaluation import Evaluation, recorded_evaluations
+from visitlab_cli.results.evaluated import cells_of
+from visitlab_cli.results.groups import groups_of
+from visitlab_cli.storage.cell_folder import read_cell
+from visitlab_cli.storage.under_way import UnderWay, under_way
+
+
+class Part(NamedTuple):
+    """How far some cells are: `cost` and `cost_done` are seconds of a core, as estimated."""
+
+    cells: int
+    done: int
+    steps: int
+    steps_done: int
+    cost: float
+    cost_done: float
+
+    @property
+    def share(self) -> float:
+        """The part of the steps that is done, of 1."""
+        return self.steps_done / max(self.steps, 1)
+
+    def as_json(self) -> dict[str, Any]:
+        """Cells and steps as plain values."""
+        return {"cells": self.cells, "done": self.done, "steps": self.steps, "steps_done": self.steps_done}
+
+
+class Look(NamedTuple):
+    """A run at one moment: all of it, its groups of cells by their paths, and the cells that are being done."""
+
+    run: Path
+    whole: Part
+    groups: dict[str, Part]
+    cells: list[tuple[UnderWay, Cell]]
+
+    def as_json(self) -> dict[str, Any]:
+        """As plain values."""
+        cells = [
+            {
+                "cell": each.cell,
+                "host": each.owner.host,
+                "process": each.owner.process,
+                "steps": cell.steps,
+                "steps_done": min(each.steps, cell.steps),
+                "seconds_silent": round(each.silent, 1),
+            }
+            for each, cell in self.cells
+        ]
+        groups = [{"name": name, **part.as_json()} for name, part in self.groups.items()]
+        return {"run": str(self.run), **self.whole.as_json(), "groups": groups, "under_way": cells}
+
+
+class Watch:
+    """Looks at a run, each cell that was found done only once."""
+
+    def __init__(self, run: Path, config: Config) -> None:
+        """At a run with this config."""
+        self._run, self._config = run, config
+        self._cells = plan(config)
+        self._evaluations: dict[Evaluation, list[Cell]] = {}
+        self._done: set[str] = set()
+        self._costs: dict[str, float] = {}
+
+    def look(self) -> Look:
+        """Look at what is there now; of evaluations at the visits that have begun.
+
+        Raises:
+            UnreadableError: something can't be read now.
+        """
+        for options in recorded_evaluations(self._run):
+            if options not in self._evaluations:
+                self._evaluations[options] = cells_of(self._config, options)
+        now = {each.cell: each for each in under_way(self._run)}
+        played = [cell for cells in self._evaluations.values() for cell in cells]
+        for cell in (*self._cells, *played):
+            if cell.path not in self._done and read_cell(self._run / cell.path) is not None:
+                self._done.add(cell.path)
+        begun = {cell.group for cell in played if cell.path in self._done or cell.path in now}
+        cells = [*self._cells, *(cell for cell in played if cell.group in begun)]
+        groups = {group.path: self._part(group.cells, now) for group in groups_of(cells)}
+        running = [(now[cell.path], cell) for cell in cells if cell.path in now and cell.path not in self._done]
+        return Look(self._run, self._part(cells, now), groups, running)
+
+    def _part(self, cells: Iterable[Cell], now: dict[str, UnderWay]) -> Part:
+        number = done = steps = steps_done = 0
+        cost = cost_done = 0.0
+        for cell in cells:
+            is_done = cell.path in self._done
+            of_cell = cell.steps if is_done else min(now[cell.path].steps, cell.steps) if cell.path in now else 0
+            seconds = self._cost(cell)
+            number, done, steps, steps_done = number + 1, done + is_done, steps + cell.steps, steps_done + of_cell
+            cost, cost_done = cost + seconds, cost_done + seconds * of_cell / cell.steps
+        return Part(number, done, steps, steps_done, cost, cost_done)
+
+    def _cost(self, cell: Cell) -> float:
+        if cell.path not in self._costs:
+            self._costs[cell.path] = seconds_of(cell)
+        return self._costs[cell.path]
