@@ -18,7 +18,7 @@ SECONDS_BETWEEN, LOOKING = 2.0, 0.2
 """How often is looked, and which part of the time that takes at most."""
 SILENT_SECONDS = 120.0
 """Whoever gave no sign of life for so long may be gone, which is told."""
-FEWEST_LINES = 3
+HEAD, FEWEST_LINES = 2, 3
 
 
 def follow(watch: "Watch", clock: Callable[[], float] = time.monotonic) -> None:
@@ -45,19 +45,19 @@ def text(look: "Look", left: float | None = None, lines: int | None = None) -> s
     """How far a run is, in at most so many `lines`; `left` are the seconds that it will take, where they are known."""
     whole = look.whole
     cells = f"{whole.done} of {whole.cells} cells, {len(look.cells)} under way"
-    head = f"{look.run}: {cells}, {whole.share:.0%} of the steps"
+    head = f"{cells}, {whole.share:.0%} of the steps"
     if left is not None and whole.done < whole.cells:
         head += f", about {duration(left)} left"
     groups = look.groups
     running = aligned([_row(*each) for each in look.cells], words=2).splitlines() if look.cells else []
     if lines is not None:
-        if 1 + len(groups) + 1 + len(running) > lines:  # what is done tells least
+        if HEAD + len(groups) + 1 + len(running) > lines:  # what is done tells least
             groups = {name: part for name, part in groups.items() if part.done < part.cells} or groups
-        running = _first(running, max(FEWEST_LINES, lines - 2 - len(groups)), "cells under way")
+        running = _first(running, max(FEWEST_LINES, lines - HEAD - 1 - len(groups)), "cells under way")
     bars = aligned([_bar(name, part) for name, part in groups.items()], words=2).splitlines()
     if lines is not None:
-        bars = _first(bars, max(FEWEST_LINES, lines - 2 - len(running)), "groups")
-    return "\n".join([plain(head), *bars, *(["", *running] if running else [])])
+        bars = _first(bars, max(FEWEST_LINES, lines - HEAD - 1 - len(running)), "groups")
+    return "\n".join([plain(str(look.run)), head, *bars, *(["", *running] if running else [])])
 
 
 def _first(lines: list[str], most: int, what: str) -> list[str]:

@@ -79,7 +79,7 @@ class _Running:
         self.run, self.pool, self.progress, self.claims, self.stopped = run, pool, progress, claims, stopped
         self.order = Order(cells)
         self.elsewhere: dict[str, Cell] = {}  # other runners do them
-        self.others: set[Owner] = set()
+        self.others: set[Owner | None] = set()
         self.next_look = 0.0
         self.suspects: list[Cell] = []  # were running when a worker died: one of them may have killed it
         self.running: dict[Future[None], tuple[Cell, int]] = {}
@@ -175,12 +175,15 @@ class _Running:
         if done:
             self.order.done(cell.path)
             self.progress.done_elsewhere(cell)
+            if not self.others and cell.path not in self.deaths:
+                self._meet(None)
         return done
 
-    def _meet(self, other: Owner) -> None:
+    def _meet(self, other: Owner | None) -> None:
+        """Say, once, that somebody else runs it, too; of None only cells were met that are done."""
         if other not in self.others:
             self.others.add(other)
-            who = f"process {other.process} on {other.host}"
+            who = f"process {other.process} on {other.host}" if other else "another process"
             self.progress.say(f"{self.run}: {who} runs it, too: each does the cells that the other does not")
 
     def _collect(self, done: set[Future[None]]) -> None:

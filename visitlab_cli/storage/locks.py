@@ -53,13 +53,15 @@ class Lock(NamedTuple):
         content = json.dumps({**_me(), **told}).encode()
         os.pwrite(self.descriptor, content, 0)
         os.ftruncate(self.descriptor, len(content))
+        os.utime(self.descriptor)  # which sends it to where others read it
 
     def beat(self, **told: object) -> None:
         """Give a sign of life, and say what there is to tell; where none can be given, none is."""
         with contextlib.suppress(OSError):
             if told:
                 self.state(**told)
-            os.utime(self.descriptor)  # also sends what was said to where others read it
+            else:
+                os.utime(self.descriptor)
 
     def release(self, *, remove: bool) -> None:
         """Let go, and take the file away where it is no longer of use and still this one."""
