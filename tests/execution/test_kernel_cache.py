@@ -10,9 +10,11 @@ from pathlib import Path
 import pytest
 
 import visitlab_cli
-from tests.program import TINY, hashes, the_run, visitlab
+from tests.program import TINY, hashes, start, the_run, visitlab
 from visitlab_cli import compiled, kernel_cache, sources
 from visitlab_cli.compiled import KERNEL_SOURCES
+from visitlab_cli.execution.warm_up import COMPILING
+from visitlab_cli.storage.locks import lock
 
 PACKAGE = Path(visitlab_cli.__file__).parent
 NAMES_NUMBA = {"versions.py", "doctor.py", "stopping.py", "surroundings.py", "warm_up.py"}  # do not compile with it
@@ -91,6 +93,26 @@ def test_a_damaged_cache_is_made_anew(filled, tmp_path, damage):
     assert done.stderr.count("compiling again") == 1
     again = visitlab(*config, NAVIGATION, "seed=5", env=cache)
     assert "compiling" not in again.stderr
+
+
+def test_one_runner_compiles_and_others_wait_for_it(filled, tmp_path):
+    cache = shutil.copytree(filled, tmp_path / "cache")
+    markers = [*cache.rglob("compiled-*")]
+    assert markers
+    for marker in markers:
+        marker.unlink()
+    held = lock(markers[0].with_name(COMPILING))
+    waiting = start("run", TINY, NAVIGATION, "--out", tmp_path, "--workers", 1, env={"VISITLAB_CACHE": str(cache)})
+    told = [next(waiting.stderr)]
+    while "waiting for it" not in told[-1]:
+        told.append(next(waiting.stderr))
+    for marker in markers:
+        marker.touch()
+    held.release(remove=True)
+    _, rest = waiting.communicate(timeout=120)
+    assert waiting.returncode == 0, rest
+    assert "first run only" not in "".join(told) + rest
+    assert not [*cache.rglob(COMPILING)]
 
 
 def test_no_cache_folder_is_said_and_changes_nothing(tiny_run, tmp_path):

@@ -1,7 +1,11 @@
-"""Compiling before the workers start, once, and saying so; a damaged cache is thrown away and made anew."""
+"""Compiling before the workers start, once, and saying so; a damaged cache is thrown away and made anew.
+
+Of several runners that share a cache, as the jobs on a node of a cluster do, one compiles and the others wait for it.
+"""
 
 import contextlib
 import math
+import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import cache
@@ -20,11 +24,16 @@ from visitlab_cli.kinds import kind
 from visitlab_cli.plan.cells import Cell
 from visitlab_cli.random_numbers import random_state
 from visitlab_cli.stopping import check_asked, nothing_to_lose
+from visitlab_cli.storage.locks import HeldError, Lock, lock
 from visitlab_cli.world.columns import StepColumns
 
 COMPILED = "compiled-"
 SECONDS = 4
 """What compiling the loop of a pair takes on an ordinary core; with a controller that plans it is five times that."""
+COMPILING = ".compiling"
+"""The file in the cache that is locked by who compiles."""
+LONGEST_WAIT, LOOK = 600.0, 0.2
+"""Seconds that another is waited for, who may hang; then both compile, which does no harm. And between two looks."""
 _compiled_here: set[str] = set()
 """The names of the pairs that this process has compiled or loaded."""
 
@@ -68,11 +77,16 @@ def _warm_up(cells: Sequence[Cell], say: Callable[[str], None]) -> None:
             simulation = _one_step(cell)
             place = place_of(records_in(tuple(stretch[:2] for stretch in simulation.stretches)))
             loops.append(_Loop(name, simulation, place, place.folder and place.folder / (COMPILED + name)))
-    new = [loop for loop in loops if loop.is_new]
-    if new and new[0].marker is None:
-        say(f"compiling (each time: {new[0].place.why}; set {VARIABLE} to a folder of your own)")
-    elif new:
-        say(f"compiling (first run only, some {10 * math.ceil(SECONDS * len(new) / 10)} seconds)")
+    with _alone(loops, say):
+        new = [loop for loop in loops if loop.is_new]
+        if new and new[0].marker is None:
+            say(f"compiling (each time: {new[0].place.why}; set {VARIABLE} to a folder of your own)")
+        elif new:
+            say(f"compiling (first run only, some {10 * math.ceil(SECONDS * len(new) / 10)} seconds)")
+        _play_all(loops)
+
+
+def _play_all(loops: Sequence[_Loop]) -> None:
     for loop in loops:
         with _told_by_the_cell():
             _play(loop.simulation)
@@ -80,6 +94,34 @@ def _warm_up(cells: Sequence[Cell], say: Callable[[str], None]) -> None:
             if loop.marker is not None:
                 with contextlib.suppress(OSError):
                     loop.marker.touch()
+
+
+@contextlib.contextmanager
+def _alone(loops: Sequence[_Loop], say: Callable[[str], None]) -> Iterator[None]:
+    """Hold the cache, where some of the loops must be compiled and what is compiled is kept; what is there needs none."""
+    marker = next((loop.marker for loop in loops if loop.is_new), None)
+    held = None if marker is None else _held(marker.with_name(COMPILING), say)
+    try:
+        yield
+    finally:
+        if held is not None:
+            held.release(remove=True)
+
+
+def _held(file: Path, say: Callable[[str], None]) -> Lock | None:
+    """The lock of a cache; None where there are no locks, or its holder takes too long."""
+    until, waits = time.monotonic() + LONGEST_WAIT, False
+    while time.monotonic() < until:
+        try:
+            return lock(file)
+        except HeldError:
+            if not waits:
+                say("another process is compiling: waiting for it")
+            waits = True
+            time.sleep(LOOK)
+        except OSError:
+            return None
+    return None
 
 
 @contextlib.contextmanager
