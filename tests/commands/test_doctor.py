@@ -42,6 +42,18 @@ def test_what_is_in_the_way_of_a_run_is_a_problem(tmp_path):
     assert done.stderr == "in the way of a run: runs\n"
 
 
+def test_what_a_folder_of_runs_can_do(tmp_path):
+    done, found = findings("--runs", tmp_path / "runs")
+    assert done.returncode == 0, done.stdout
+    assert {"creates", "locks", "renames", "times", "syncs", "speed", "files"} <= set(found)
+    assert "visitlab" not in found
+    assert all(found[name]["value"] == f"{tmp_path}: works" for name in ("creates", "locks", "renames", "times"))
+    assert list(tmp_path.iterdir()) == []
+    (tmp_path / "file").touch()
+    done, found = findings("--runs", tmp_path / "file" / "runs")
+    assert (done.returncode, found["runs"]["state"]) == (4, "problem")
+
+
 @pytest.mark.parametrize("package", ["pyarrow", "matplotlib"])
 def test_a_broken_package_is_named(package, tmp_path):
     broken = tmp_path / "site" / package

@@ -4,7 +4,9 @@ import os
 import shutil
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Literal, NamedTuple
+from typing import Annotated, Literal, NamedTuple
+
+import typer
 
 from visitlab_cli.console.help import Help
 from visitlab_cli.console.options import RUNS, Json, Out
@@ -15,7 +17,7 @@ HELP = Help(
     place=4,
     examples=(
         "visitlab doctor",
-        "visitlab doctor --json",
+        "visitlab doctor --runs runs --json",
     ),
 )
 
@@ -23,6 +25,8 @@ HELP = Help(
 PACKAGES = ("numpy", "numba", "pydantic", "pyarrow", "mcap", "protobuf", "matplotlib", "rerun-sdk")
 MODULE_OF = {"rerun-sdk": "rerun", "protobuf": "google.protobuf"}
 LITTLE_SPACE = 2e9  # bytes; quickstart takes 50 MB, the paper's runs with every step 5 GB
+LITTLE_FILES, FILES_A_CELL = 100_000, 6  # five files and their folder
+SLOW_SYNC, SYNCS_A_CELL = 0.05, 8  # seconds
 
 
 class Finding(NamedTuple):
@@ -33,14 +37,22 @@ class Finding(NamedTuple):
     state: Literal["ok", "note", "problem"] = "ok"
 
 
-def command(out: Out = RUNS, as_json: Json = False) -> None:
+def command(
+    out: Out = RUNS,
+    runs: Annotated[
+        Path | None,
+        typer.Option("--runs", metavar="FOLDER", help="Only what this folder can do of that which a cluster needs."),
+    ] = None,
+    as_json: Json = False,
+) -> None:
     """Look at versions, cores, the cache, the disk, and whether Rerun can open a window here.
 
     Exits with 4 if something is in the way of a run; a note is about what works otherwise only.
     """
     from visitlab_cli.errors import RunError
 
-    findings = [finding for look in LOOKS for finding in look(out)]
+    looks, folder = (LOOKS, out) if runs is None else (LOOKS_AT_RUNS, runs)
+    findings = [finding for look in looks for finding in look(folder)]
     if as_json:
         tell_json([finding._asdict() for finding in findings])
     else:
@@ -93,10 +105,19 @@ def _cache(out: Path) -> Iterator[Finding]:
         yield Finding("cache", f"{folder} ({state})")
 
 
+def _there(out: Path) -> Path:
+    """The folder, or what of the way to it there is."""
+    return next(place for place in (out.absolute(), *out.absolute().parents) if place.exists())
+
+
+def _writable(there: Path) -> bool:
+    return there.is_dir() and os.access(there, os.W_OK | os.X_OK)
+
+
 def _disk(out: Path) -> Iterator[Finding]:
-    there = next(place for place in (out.absolute(), *out.absolute().parents) if place.exists())
+    there = _there(out)
     free = shutil.disk_usage(there).free
-    if not (there.is_dir() and os.access(there, os.W_OK)):
+    if not _writable(there):
         yield Finding("runs", f"{out}: can't be written; choose another with --out", "problem")
     elif free < LITTLE_SPACE:
         yield Finding("runs", f"{out}: only {free / 1e9:.1f} GB free", "note")
@@ -104,23 +125,74 @@ def _disk(out: Path) -> Iterator[Finding]:
         yield Finding("runs", f"{out}: {free / 1e9:.0f} GB free")
 
 
-def _locks(out: Path) -> Iterator[Finding]:
+WITHOUT = {
+    "creates": "two runners may take the same cell, and each does all",
+    "locks": "what killed runs left is known by their processes, and of other machines by an hour of silence",
+    "renames": "no cell can be finished there; choose another folder with --out",
+    "times": "a runner on another machine seems dead while it works, and its cells are done twice",
+    "syncs": "what is finished may be lost when the machine loses power",
+}
+"""What follows where a file system can't do something."""
+
+
+def _abilities(out: Path) -> Iterator[Finding]:
     from visitlab_cli.storage.file_system import what_works
 
-    there = next(place for place in (out.absolute(), *out.absolute().parents) if place.exists())
-    if not (there.is_dir() and os.access(there, os.W_OK)):
+    there = _there(out)
+    if not _writable(there):
         return  # told already
     for what, problem in what_works(there).items():
-        advice = {
-            "locks": "what killed runs left is known by their processes, and of other machines by an hour of silence",
-            "renames": "no cell can be finished there; choose another folder with --out",
-            "syncs": "what is finished may be lost when the machine loses power",
-        }[what]
         if problem:
             state: Literal["note", "problem"] = "problem" if what == "renames" else "note"
-            yield Finding(what, f"{there}: {problem}: {advice}", state)
+            yield Finding(what, f"{there}: {problem}: {WITHOUT[what]}", state)
         else:
             yield Finding(what, f"{there}: works")
+
+
+def _shared(out: Path) -> Iterator[Finding]:
+    from visitlab_cli.storage.file_system import mount_of
+
+    if (mount := mount_of(_there(out))) is None:
+        return
+    if mount.is_local:
+        yield Finding(
+            "shared", f"{mount.type}: this machine alone sees it; the nodes of a cluster need another", "note"
+        )
+    elif why := mount.locks_here_alone:
+        heard = "runners on different nodes know each other by signs of life alone"
+        yield Finding("shared", f"{mount.type}: locks hold within a node ({why}): {heard}", "note")
+    else:
+        yield Finding("shared", f"{mount.type}{': other machines may see it' if mount.is_shared else ''}")
+
+
+def _fast(out: Path) -> Iterator[Finding]:
+    from visitlab_cli.storage.file_system import seconds_of_a_sync
+
+    there = _there(out)
+    if not _writable(there):
+        return
+    try:
+        seconds = seconds_of_a_sync(there)
+    except OSError:
+        return  # told as what can't be synced
+    told = f"{seconds * 1e3:.1f} ms until a small file is on the disk, {SYNCS_A_CELL} times a cell"
+    if seconds > SLOW_SYNC:
+        yield Finding(
+            "speed", f"{told}: cells of less than {10 * SYNCS_A_CELL * seconds:.0f} s wait rather than play", "note"
+        )
+    else:
+        yield Finding("speed", told)
+
+
+def _files(out: Path) -> Iterator[Finding]:
+    there = _there(out)
+    told = os.statvfs(there)
+    if told.f_files == 0:
+        yield Finding("files", f"{there}: as many as there is room for")
+        return
+    cells = f"{told.f_favail:,} more may be made, {told.f_favail // FILES_A_CELL:,} cells"
+    state: Literal["ok", "note"] = "note" if told.f_favail < LITTLE_FILES else "ok"
+    yield Finding("files", f"{there}: {'only ' if state == 'note' else ''}{cells}", state)
 
 
 def _viewer(out: Path) -> Iterator[Finding]:
@@ -134,4 +206,5 @@ def _viewer(out: Path) -> Iterator[Finding]:
         yield Finding("viewer", str(error), "note")
 
 
-LOOKS: tuple[Callable[[Path], Iterator[Finding]], ...] = (_versions, _cores, _cache, _disk, _locks, _viewer)
+LOOKS: tuple[Callable[[Path], Iterator[Finding]], ...] = (_versions, _cores, _cache, _disk, _abilities, _viewer)
+LOOKS_AT_RUNS: tuple[Callable[[Path], Iterator[Finding]], ...] = (_disk, _shared, _abilities, _fast, _files)

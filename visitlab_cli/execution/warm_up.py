@@ -98,7 +98,7 @@ def _play_all(loops: Sequence[_Loop]) -> None:
 
 @contextlib.contextmanager
 def _alone(loops: Sequence[_Loop], say: Callable[[str], None]) -> Iterator[None]:
-    """Hold the cache, where some of the loops must be compiled and what is compiled is kept; what is there needs none."""
+    """Hold the cache, where some of the loops must be compiled and are then kept; what is there needs none."""
     marker = next((loop.marker for loop in loops if loop.is_new), None)
     held = None if marker is None else _held(marker.with_name(COMPILING), say)
     try:
