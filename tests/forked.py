@@ -17,7 +17,7 @@ import sys
 from functools import cache
 from pathlib import Path
 
-READ_LATE = {"VISITLAB_CACHE", "DISPLAY", "WAYLAND_DISPLAY", "PYTEST_CURRENT_TEST"}
+READ_LATE = {"PATH", "VISITLAB_CACHE", "DISPLAY", "WAYLAND_DISPLAY", "PYTEST_CURRENT_TEST"}
 """Variables that no import looks at."""
 PATH = "PYTHONPATH"
 FIRST, REST = 1 << 16, 1 << 20

@@ -24,7 +24,7 @@ FLOORS = [
     {"storage"},
     {"plan"},
     {"execution"},
-    {"results"},
+    {"jobs", "results"},
     {"authoring", "door", "playing"},
     {"colours", "scene", "pictures"},
     {"affordances"},

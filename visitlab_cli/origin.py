@@ -23,6 +23,9 @@ HTML, MARKDOWN = "<!doctype html>\n<!-- a report of visitlab -->\n", "<!-- made 
 """How each page begins."""
 FAILURE = "visitlab: why a cell failed\n"
 """How the file of a failed cell's traceback begins."""
+SCRIPT = "#!/bin/bash\n# visitlab: the jobs of a run\n"
+JOB_LOG = "visitlab: the log of a job\n"
+"""How the script of a run's jobs begins, and what each of these writes."""
 _IN_PNG = f"tEXtSoftware\0{NAME}".encode()
 _MARKS = {
     b"<?xml ": f"<dc:title>{NAME}</dc:title>".encode(),
@@ -32,6 +35,8 @@ _MARKS = {
     HTML.encode(): b"",
     MARKDOWN.encode(): b"",
     FAILURE.encode(): b"",
+    SCRIPT.encode(): b"",
+    JOB_LOG.encode(): b"",
 }
 """By how a file of a format begins, what one of ours has in it, too."""
 _LOOKED_AT = 1 << 16

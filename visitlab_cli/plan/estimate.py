@@ -45,7 +45,7 @@ def estimate(cells: Sequence[Cell], workers: int) -> Estimate:
     A cell runs on one worker and a visit waits for its modules, so more workers than cells gain nothing.
     """
     seconds = {cell.path: seconds_of(cell) for cell in cells}
-    longest = max(_ends(cells, seconds).values(), default=0.0)
+    longest = max(earliest_ends(cells, seconds).values(), default=0.0)
     shared = sum(seconds.values()) / max(workers, 1)
     size = sum(_bytes(cell) for cell in cells)
     return Estimate(len(cells), sum(cell.steps for cell in cells), max(shared, longest), round(size))
@@ -64,7 +64,7 @@ def _dearest(task: str) -> float:
     return max(kind.microseconds_a_step.get(task, 0.0) for kind in KINDS.values())
 
 
-def _ends(cells: Sequence[Cell], seconds: dict[str, float]) -> dict[str, float]:
+def earliest_ends(cells: Sequence[Cell], seconds: dict[str, float]) -> dict[str, float]:
     """When each cell would end at the earliest, each after those of the cells that it needs; a plan is in order."""
     ends: dict[str, float] = {}
     for cell in cells:

@@ -14,8 +14,8 @@ from visitlab_cli.storage.reading import check_damage
 
 EVALUATIONS, OPTIONS = "evaluations", "evaluation.json"
 """The folder of what was played with options of its own, and the file of the options in each of its folders."""
-REPORT, FIGURES, FAILURES = "report.html", "figures", "failures"
-"""A run's page, and the folders of its pictures and of the tracebacks of cells that failed."""
+REPORT, FIGURES, FAILURES, JOBS = "report.html", "figures", "failures", "jobs"
+"""A run's page; the folders of its pictures, of the tracebacks of cells that failed, of its jobs' scripts and logs."""
 _SEED_FOLDER = re.compile(r"seed-\d+")
 
 

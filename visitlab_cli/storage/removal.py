@@ -26,6 +26,7 @@ from visitlab_cli.storage.on_disk import (
     EVALUATIONS,
     FAILURES,
     FIGURES,
+    JOBS,
     OPTIONS,
     REPORT,
     cell_folders,
@@ -143,7 +144,7 @@ def foreign_files(run: Path) -> Iterator[str]:
             known, drawn = top, {REPORT}
         elif folder == run / FIGURES:
             known, drawn = set(), {name for name in files if _FIGURE.fullmatch(name)}
-        elif folder == run / FAILURES:
+        elif folder in (run / FAILURES, run / JOBS):
             known, drawn = set(), set(files)
         elif folder.parent == run / EVALUATIONS:
             known, drawn = {OPTIONS}, {"matrix.svg"}  # the picture is of an earlier version
