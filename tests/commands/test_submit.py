@@ -11,6 +11,7 @@ import time
 from pathlib import Path
 
 import pytest
+from platformdirs import user_cache_path
 
 from tests.jobs.queues import fake_visitlab, lines_of, program, queue
 from tests.program import TINY, hashes, only_cells, the_run, visitlab
@@ -86,7 +87,7 @@ def test_every_shard_is_run_once_whatever_the_arrays(system, handing_in, limit, 
     queue(tmp_path / "bin", handing_in)
     words = [f"--{system}", "--cells-per-job", "3", "--array-limit", limit, "--workers", "2", "--go", "--json"]
     found = told(submit(tmp_path, out, *words))
-    run, count = the_run(out), found["shards"]
+    run, count, temporary = the_run(out), found["shards"], os.environ.get("TMPDIR", "/tmp")
     assert sorted(shards(tmp_path)) == sorted(f"{job['shard']}/{count}" for job in found["jobs"])
     assert sum(job["cells"] for job in found["jobs"]) == found["missing"] == found["cells"] == CELLS
     for call in calls(tmp_path):
@@ -94,7 +95,7 @@ def test_every_shard_is_run_once_whatever_the_arrays(system, handing_in, limit, 
         expected = ["run", f"{run}/config.yaml", "seeds=1", "--out", str(out), "--shard", shard, "--workers", "2"]
         assert call["words"] == [*expected, "--quiet"]
         assert (call["OPENBLAS_NUM_THREADS"], call["NUMBA_NUM_THREADS"]) == ("1", "1")
-        assert Path(call["VISITLAB_CACHE"]).name == f"visitlab-{os.getuid()}"
+        assert call["VISITLAB_CACHE"] == os.environ.get("VISITLAB_CACHE", f"{temporary}/visitlab-{os.getuid()}")
     handed = lines_of(tmp_path / "bin" / "told")
     assert len(handed) == len(found["submit"]) == len(found["submitted"]) == -(-len(found["jobs"]) // limit)
     assert found["submitted"] == [f"{i + 1}" if system == "slurm" else f"{i + 1}[].server" for i in range(len(handed))]
@@ -263,8 +264,12 @@ def test_a_run_with_scripts_and_logs_is_removed_and_a_users_file_is_not(tmp_path
 
 def test_jobs_that_really_run_do_all_and_the_same_again_does_what_is_missing(tiny_run, tmp_path, out):
     queue(tmp_path / "bin", "sbatch")
-    words = ["submit", TINY, "--slurm", "--cells-per-job", "6", "--out", out, "--go", "--json"]
-    more = {"cwd": tmp_path, "env": {"PATH": f"{tmp_path / 'bin'}{os.pathsep}{os.environ['PATH']}"}}
+    words = ["submit", TINY, "--slurm", "--cells-per-job", "9", "--out", out, "--go", "--json"]
+    path = f"{tmp_path / 'bin'}{os.pathsep}{os.environ['PATH']}"
+    cache = os.environ.get("VISITLAB_CACHE") or str(
+        user_cache_path("visitlab")
+    )  # else the jobs compile into one of theirs
+    more = {"cwd": tmp_path, "env": {"PATH": path, "VISITLAB_CACHE": cache}}
     first = told(visitlab(*words, **more))
     run = the_run(out)
     assert only_cells(hashes(run)) == only_cells(hashes(tiny_run))

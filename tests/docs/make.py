@@ -3,6 +3,7 @@
 import tempfile
 from pathlib import Path
 
+from tests.docs.cluster_page import cluster_page
 from tests.docs.commands_page import commands_page
 from tests.docs.config_page import config_page
 from tests.docs.log_page import log_page
@@ -14,6 +15,7 @@ ROOT = Path(__file__).parents[2]
 def pages(folder: Path) -> dict[str, str]:
     """What each generated file should hold, by its path in the repository; `folder` is for trying things."""
     return {
+        "docs/cluster.md": cluster_page(folder),
         "docs/commands.md": commands_page(),
         "docs/config.md": config_page(folder),
         "docs/log.md": log_page(),

@@ -20,7 +20,9 @@ def made(tmp_path_factory):
     return pages(tmp_path_factory.mktemp("pages"))
 
 
-@pytest.mark.parametrize("path", ["docs/commands.md", "docs/config.md", "docs/log.md", "configs/schema.json"])
+@pytest.mark.parametrize(
+    "path", ["docs/cluster.md", "docs/commands.md", "docs/config.md", "docs/log.md", "configs/schema.json"]
+)
 def test_the_page_is_current(path, made):
     assert (ROOT / path).read_text(encoding="utf-8") == made[path], "run `python -m tests.docs.make`"
 
