@@ -194,13 +194,18 @@ def begun(tmp_path, count, process):
     return [int(file.name.split("-")[1]) for file in found]
 
 
+def hear_ctrl_c():
+    """A program that is started in the background ignores it, and so would the shell."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
 @pytest.mark.parametrize("to_all", [False, True])
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT, signal.SIGHUP])
 def test_stopping_the_shell_asks_each_shard_to_end_once(number, to_all, tmp_path, out):
     assert submit(tmp_path, out, "--shell", "--cells-per-job", "3", does=ASKED_TO_END).returncode == 0
     variables = os.environ | {"AT_ONCE": "2"}
     script = the_run(out) / "jobs" / "shell.sh"
-    process = subprocess.Popen(["bash", script], env=variables, start_new_session=True)
+    process = subprocess.Popen(["bash", script], env=variables, start_new_session=True, preexec_fn=hear_ctrl_c)
     running = begun(tmp_path, 2, process)
     (os.killpg if to_all else os.kill)(process.pid, number)
     assert process.wait(timeout=30) == 130
