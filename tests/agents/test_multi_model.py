@@ -6,10 +6,10 @@ from collections import Counter, defaultdict
 import numpy as np
 import pytest
 
-from visitlab_cli.agents import multi_model
 from visitlab_cli.agents.base import Setting, learn
 from visitlab_cli.agents.model_based import ModelBased, ModelBasedParameters
-from visitlab_cli.agents.multi_model import MultiModelParameters, contexts
+from visitlab_cli.agents.model_switching import contexts, gather
+from visitlab_cli.agents.multi_model import MultiModelParameters
 from visitlab_cli.compiled import kernel
 from visitlab_cli.random_numbers import random_state
 from visitlab_cli.world.enums import N_SOCIAL_ACTIONS
@@ -180,7 +180,7 @@ def test_every_step_is_counted_once_and_the_humans_are_told_apart(lived):
 
 def test_it_plans_by_its_own_counts_and_what_the_others_have_in_common(lived):
     _, agent = lived
-    multi_model.gather(agent)
+    gather(agent)
     kept = PARAMETERS.save(agent)
     models = [PARAMETERS.models(kept)[f"model {model}"] for model in range(3)]
     active = int(kept["active"][0])
