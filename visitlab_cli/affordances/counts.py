@@ -21,6 +21,9 @@ from visitlab_cli.world.enums import (
 )
 from visitlab_cli.world.social import Ints, parts_of
 
+Levels = npt.NDArray[np.int64] | npt.NDArray[np.float64]
+"""Counts by kind of action, level, distance and next level: whole ones, or such that fade."""
+
 
 class Kind(StrEnum):
     """A kind of action; the order is that of every array over kinds."""
@@ -49,24 +52,29 @@ def kind_of(actions: npt.ArrayLike, angle: npt.ArrayLike) -> Ints:
     return np.where(chosen < N_MOVES, np.array(KIND_OF_TURN)[turn], others)
 
 
-def count_levels(states: npt.ArrayLike, actions: npt.ArrayLike, next_states: npt.ArrayLike, times: Any = None) -> Ints:
+def count_levels(
+    states: npt.ArrayLike, actions: npt.ArrayLike, next_states: npt.ArrayLike, times: npt.ArrayLike = 1
+) -> Levels:
     """How often each kind of action led from level to level, shape (kinds, levels, distances, next levels).
 
     Args:
         states: social states, shape (n,).
         actions: social actions, shape (n,).
         next_states: the states that followed, shape (n,).
-        times: how often each happened, shape (n,); once if not given.
+        times: how often each happened, shape (n,), in parts where counts fade; once if not given.
     """
     before = parts_of(states)
     shape = len(KINDS), N_LEVELS, N_DISTANCES, N_LEVELS
     places = kind_of(actions, before.angle), before.level, before.distance, parts_of(next_states).level
-    counts = np.zeros(shape, np.int64)
-    np.add.at(counts, places, 1 if times is None else times)
+    weights = np.asarray(times)
+    counts: Levels = np.zeros(shape, np.int64)
+    if weights.dtype.kind == "f":
+        counts = np.zeros(shape)
+    np.add.at(counts, places, weights)
     return counts
 
 
-def learned_counts(model: Mapping[str, npt.NDArray[Any]]) -> Ints:
+def learned_counts(model: Mapping[str, npt.NDArray[Any]]) -> Levels:
     """`count_levels` of the transitions in the arrays of a social module's learned model."""
     pairs = np.repeat(np.arange(len(model["successor_offsets"]) - 1), np.diff(model["successor_offsets"]))
     states, actions = np.divmod(pairs, N_SOCIAL_ACTIONS)

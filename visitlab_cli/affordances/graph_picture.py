@@ -1,6 +1,7 @@
 """The paper's Fig. 4 with numbers: levels as circles, an arrow for each gesture, as learned or as it truly is."""
 
 import math
+from collections.abc import Collection
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from visitlab_cli.affordances.learned import Graph
@@ -23,8 +24,12 @@ LABELS = (
     *((6.65, 0.85), (7.75, 3.0), (9.35, 1.3)),
 )
 """Where the middle of the label of each of the first arrows lies."""
+SMALL_LABELS = (*LABELS[:4], (4.7, 0.8), *LABELS[5:])
 LOSSES = (5.75, 4.75)
 """Where the words on losing attention end below, at the left."""
+LOST = tuple(arrow for arrow in ARROWS if arrow.outcome == NOT_ENGAGED)
+"""The last arrows: what loses attention. They are drawn as one."""
+PALE = "0.78"
 WIDTH, HEIGHT, RADIUS = 10.2, 7.0, 0.42
 UNENGAGED = (0.05, 0.1, 5.5, 6.5)
 """West, south, east and north of the box around the levels 0 to 4."""
@@ -63,7 +68,40 @@ def as_true(found: Weight) -> Told:
 
 def draw_graph(axes: "Axes", graph: Graph, title: str, *, true: bool) -> None:
     """Draw the learned graph, or the true one for the same visits."""
-    from matplotlib.patches import Circle, FancyBboxPatch
+    _empty(axes, title)
+    west, _, _, north = UNENGAGED
+    axes.text(west + 0.2, north - 0.15, "not engaged", fontsize=SMALL, color=GREY, va="top", style="italic")
+    tell = as_true if true else as_learned
+    for arrow, label in zip(ARROWS, LABELS, strict=False):
+        told = tell(weight(graph, arrow))
+        _draw_arrow(axes, arrow, told, colour_of(arrow))
+        _write(axes, arrow, label, _two_lines(KIND_NAMES[str(arrow.kind)], told.text))
+    _draw_loss(axes)
+    lines = [f"{arrow.kind}: {tell(weight(graph, arrow)).text}" for arrow in LOST]
+    _write_losses(axes, "\n".join(["loses attention, the robot moving", *lines]))
+    _draw_levels(axes, 8)
+    for (x, y), (right, up), name in zip(PLACES, NAMES, LEVEL_NAMES, strict=True):
+        axes.text(x + right, y + up, name, ha="center", va="top", fontsize=SMALL, weight="bold", zorder=5)
+
+
+def draw_small_graph(axes: "Axes", graph: Graph, title: str, coloured: Collection[Arrow]) -> None:
+    """Draw the learned graph small: no names, no visits; arrows are grey but for some."""
+    _empty(axes, title)
+    for arrow, label in zip(ARROWS, SMALL_LABELS, strict=False):
+        found = weight(graph, arrow)
+        told = Told(found.learned, f"{found.learned:.2f}" if found.visits else "-")
+        _draw_arrow(axes, arrow, told, colour_of(arrow) if arrow in coloured else PALE, shrink=6)
+        _write(axes, arrow, label, told.text)
+    _draw_loss(axes)
+    lost = [found.learned for arrow in LOST if (found := weight(graph, arrow)).visits]
+    ends = f"{min(lost):.2f} to {max(lost):.2f}" if lost else "never there"
+    _write_losses(axes, f"loses attention\n{ends}")
+    _draw_levels(axes, SMALL)
+
+
+def _empty(axes: "Axes", title: str) -> None:
+    """Nothing but the box around the levels without engagement."""
+    from matplotlib.patches import FancyBboxPatch
 
     axes.set(xlim=(0, WIDTH), ylim=(0, HEIGHT), aspect="equal")
     axes.set_axis_off()
@@ -71,23 +109,20 @@ def draw_graph(axes: "Axes", graph: Graph, title: str, *, true: bool) -> None:
     west, south, east, north = UNENGAGED
     box: Any = {"boxstyle": "round,pad=0,rounding_size=0.3", "facecolor": "0.965", "edgecolor": "0.8", "linewidth": 0.5}
     axes.add_patch(FancyBboxPatch((west, south), east - west, north - south, **box))
-    axes.text(west + 0.2, north - 0.15, "not engaged", fontsize=SMALL, color=GREY, va="top", style="italic")
-    tell = as_true if true else as_learned
-    lost = [arrow for arrow in ARROWS if arrow.outcome == NOT_ENGAGED]
-    for index, arrow in enumerate(ARROWS):
-        if arrow not in lost:
-            _draw_arrow(axes, arrow, tell(weight(graph, arrow)), LABELS[index])
-    _draw_losses(axes, {str(arrow.kind): tell(weight(graph, arrow)) for arrow in lost})
+
+
+def _draw_levels(axes: "Axes", size: float) -> None:
+    """A circle for each, with its number."""
+    from matplotlib.patches import Circle
+
     for level, (x, y) in enumerate(PLACES):
         engaged = level >= InteractionLevel.GREETED
         circle = Circle((x, y), RADIUS, facecolor="white", edgecolor=INK, linewidth=1.2 if engaged else 0.8, zorder=4)
         axes.add_patch(circle)
-        axes.text(x, y - 0.02, str(level), ha="center", va="center", weight="bold", fontsize=8, zorder=5)
-        right, up = NAMES[level]
-        axes.text(x + right, y + up, LEVEL_NAMES[level], ha="center", va="top", fontsize=SMALL, weight="bold", zorder=5)
+        axes.text(x, y - 0.02, str(level), ha="center", va="center", weight="bold", fontsize=size, zorder=5)
 
 
-def _draw_arrow(axes: "Axes", arrow: Arrow, told: Told, label: tuple[float, float]) -> None:
+def _draw_arrow(axes: "Axes", arrow: Arrow, told: Told, colour: Any, shrink: float = 10) -> None:
     """From circle to circle, as thick as it is probable; dotted where nothing is known."""
     from matplotlib.patches import FancyArrowPatch
 
@@ -95,13 +130,16 @@ def _draw_arrow(axes: "Axes", arrow: Arrow, told: Told, label: tuple[float, floa
     known = not math.isnan(told.probability)
     width = THINNEST + (THICKEST - THINNEST) * told.probability if known else THINNEST
     head = f"-|>,head_width={0.07 * width + 0.12},head_length={0.1 * width + 0.22}"
-    look: Any = {"linestyle": "-" if known else (0, (1, 2)), "shrinkA": 10, "shrinkB": 10, "arrowstyle": head}
-    for colour, extra, order in ((INK, 0.7, 2), (colour_of(arrow), 0.0, 3)):
+    look: Any = {"linestyle": "-" if known else (0, (1, 2)), "shrinkA": shrink, "shrinkB": shrink, "arrowstyle": head}
+    for shade, extra, order in ((INK, 0.7, 2), (colour, 0.0, 3)):
         drawn = FancyArrowPatch(
-            (x, y), (to_x, to_y), color=colour, linewidth=width + extra, mutation_scale=8, zorder=order, **look
+            (x, y), (to_x, to_y), color=shade, linewidth=width + extra, mutation_scale=8, zorder=order, **look
         )
         axes.add_patch(drawn)
-    text = axes.text(*label, _two_lines(KIND_NAMES[str(arrow.kind)], told.text))
+
+
+def _write(axes: "Axes", arrow: Arrow, place: tuple[float, float], words: str) -> None:
+    text = axes.text(*place, words)
     text.set(ha="center", va="center", fontsize=SMALL, linespacing=1.1, zorder=6)
     text.set_gid(f"{arrow.kind}/{int(arrow.level)}/{arrow.outcome}")
 
@@ -114,17 +152,20 @@ def _two_lines(name: str, told: str) -> str:
     return f"{name} {told}" if " " not in told else f"{name}\n{told}"
 
 
-def _draw_losses(axes: "Axes", losses: dict[str, Told]) -> None:
-    """Back from following: one arrow for all that loses attention, and what each way of moving costs."""
+def _draw_loss(axes: "Axes") -> None:
+    """Back from following: one arrow for all that loses attention."""
     from matplotlib.patches import FancyArrowPatch
 
     east = UNENGAGED[2]
     x, y = PLACES[InteractionLevel.FOLLOWS]
-    left, below = LOSSES
+    _, below = LOSSES
     style: Any = {"arrowstyle": "-|>", "connectionstyle": "angle3,angleA=90,angleB=0", "mutation_scale": 7}
     start, end = (x, y + RADIUS), (east, below - 0.2)
     axes.add_patch(FancyArrowPatch(start, end, color=GREY, linewidth=1.0, linestyle=(0, (4, 1.5)), zorder=2, **style))
-    lines = [f"{name}: {told.text}" for name, told in losses.items()]
-    text = axes.text(left, below, "\n".join(["loses attention, the robot moving", *lines]))
+
+
+def _write_losses(axes: "Axes", words: str) -> None:
+    """What each way of moving costs."""
+    text = axes.text(*LOSSES, words)
     text.set(fontsize=SMALL, linespacing=1.15, va="bottom")
     text.set_gid("losses")

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from visitlab_cli.affordances.counts import learned_counts
+from visitlab_cli.affordances.counts import Levels, learned_counts
 from visitlab_cli.affordances.policy import PolicyMap, policy_map
 from visitlab_cli.affordances.truth import FIRST_ENGAGED, Truth, true_transitions
 from visitlab_cli.errors import NotFoundError, RunError
@@ -78,7 +78,7 @@ def affordances(run: Path, cells: Sequence[Cell], selection: Selection = FIRST) 
     return Affordances(trained, graph(counts, _truth(trained)), policy, list(adaptations.values()))
 
 
-def _read(run: Path, cell: Cell) -> tuple[Ints, PolicyMap]:
+def _read(run: Path, cell: Cell) -> tuple[Levels, PolicyMap]:
     """What a social module has seen follow what, and what it would do."""
     model = model_acted_by(run, cell)
     return learned_counts(model), policy_map(values_of(run, cell), model["visits"])
@@ -96,7 +96,7 @@ def model_acted_by(run: Path, cell: Cell) -> Arrays:
     raise NotFoundError(f"{run / cell.path}: {cell.agent} plans, but with no model that it would show")
 
 
-def graph(counts: Ints, truth: Truth) -> Graph:
+def graph(counts: Levels, truth: Truth) -> Graph:
     """The learned and the true Fig. 4 of counts by kind, level, distance and next level."""
     at_distance = counts.sum(axis=3)
     visits = at_distance.sum(axis=2)
@@ -104,16 +104,16 @@ def graph(counts: Ints, truth: Truth) -> Graph:
     followed = np.concatenate([followed, followed[..., :FIRST_ENGAGED].sum(axis=-1, keepdims=True)], axis=-1)
     learned = _share(followed, visits)
     low, high = (_share(_weighted(bound, at_distance), visits) for bound in truth)
-    return Graph(visits, learned, low, high)
+    return Graph(np.rint(visits).astype(np.int64), learned, low, high)
 
 
-def _weighted(bound: Table, at_distance: Ints) -> Table:
+def _weighted(bound: Table, at_distance: Levels) -> Table:
     """Bounds by distance summed with the visits there, shape (9, 8, 9); a distance never visited counts nothing."""
     weights = at_distance[..., None]
     return np.where(weights > 0, bound * weights, 0.0).sum(axis=2)  # type: ignore[no-any-return]
 
 
-def _share(events: npt.NDArray[np.generic], visits: Ints) -> Table:
+def _share(events: npt.NDArray[np.generic], visits: Levels) -> Table:
     with np.errstate(invalid="ignore", divide="ignore"):
         return np.asarray(events, np.float64) / visits[..., None]
 
@@ -128,7 +128,7 @@ def _truth(cell: Cell) -> Truth:
     return true_transitions(cell.config.humans[human], teleports, cell.config.interaction.distances)
 
 
-def _adaptation(run: Path, visit: Cell, before: Ints) -> Adaptation:
+def _adaptation(run: Path, visit: Cell, before: Levels) -> Adaptation:
     (after, policy), truth = _read(run, visit), _truth(visit)
     return Adaptation(visit, graph(after, truth), graph(after - before, truth), policy)
 

@@ -60,15 +60,15 @@ def as_json(found: Affordances) -> dict[str, Any]:
         "trained": {
             "cell": found.cell.path,
             "human": found.cell.human,
-            "transitions": _transitions(found.knows),
+            "transitions": transitions(found.knows),
             "policy": _policy(found.policy),
         },
         "visits": [
             {
                 "cell": each.cell.path,
                 "human": each.cell.human,
-                "transitions": _transitions(each.knows),
-                "seen_in_visit": _transitions(each.saw),
+                "transitions": transitions(each.knows),
+                "seen_in_visit": transitions(each.saw),
                 "policy": _policy(each.policy),
             }
             for each in found.adaptations
@@ -76,7 +76,8 @@ def as_json(found: Affordances) -> dict[str, Any]:
     }
 
 
-def _transitions(graph: Graph) -> list[dict[str, Any]]:
+def transitions(graph: Graph) -> list[dict[str, Any]]:
+    """Every kind of action and level, with what followed."""
     lines = []
     for kind in KINDS:
         for level in InteractionLevel:

@@ -56,8 +56,7 @@ def true_transitions(human: HumanParameters, teleports: bool, distances: Sequenc
         teleports: whether `go_to_human_vision` teleports (the social task) or is a walk (the visit).
         distances: the bounds of the distance categories, in cells.
     """
-    shape = len(KINDS), N_LEVELS, N_DISTANCES, N_OUTCOMES
-    truth = Truth(np.full(shape, np.nan), np.full(shape, np.nan))
+    truth = undecided()
     if type(human) is not SixParameters:
         return truth
     for index, kind in enumerate(KINDS):
@@ -72,6 +71,12 @@ def true_transitions(human: HumanParameters, teleports: bool, distances: Sequenc
         truth.low[vision, unengaged, :, unengaged] = seen.min(axis=0)
         truth.high[vision, unengaged, :, unengaged] = seen.max(axis=0)
     return truth
+
+
+def undecided() -> Truth:
+    """Of what the rules decide nothing of."""
+    shape = len(KINDS), N_LEVELS, N_DISTANCES, N_OUTCOMES
+    return Truth(np.full(shape, np.nan), np.full(shape, np.nan))
 
 
 def _hello_success(human: SixParameters, level: int) -> tuple[float, ...]:

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from visitlab_cli.affordances.learned import Affordances, Graph
     from visitlab_cli.affordances.plain import Weight
     from visitlab_cli.affordances.restricted import PairSet, Restricted
+    from visitlab_cli.affordances.several import Belief, Several
     from visitlab_cli.plan.selection import Selection
 
 
@@ -26,6 +27,7 @@ HELP = Help(
     examples=(
         "visitlab affordances quickstart --experiment social --json",
         "visitlab affordances quickstart --intents --threshold 0.5 --trials 200",
+        "visitlab affordances friends --models --experiment multi",
     ),
 )
 
@@ -51,6 +53,14 @@ def command(
             help="What is left of the reward with each human if it plans only with pairs of state and action that "
             "afford an intent: the human faces the robot, the distance becomes appropriate, the interaction advances, "
             "the human is led, keeps following.",
+        ),
+    ] = False,
+    models: Annotated[
+        bool,
+        typer.Option(
+            "--models",
+            help="Of a visit whose agent has several models (multi_model): what each believes, what is general, what "
+            "is specific, and whose each model is. --experiment is then the visit.",
         ),
     ] = False,
     threshold: Annotated[
@@ -84,16 +94,21 @@ def command(
     from visitlab_cli.plan.cells import plan
     from visitlab_cli.plan.selection import Selection
     from visitlab_cli.storage.run_folder import find_run, read_config
+    from visitlab_cli.world.columns import MODELS
 
     if picture is not None:
         check_ours(picture)
-    _check_options(threshold or [], trials, intents=intents)
+    _check_options(threshold or [], trials, intents=intents, models=models)
     folder = find_run(run, out)
     selection = Selection(experiment, human, agent, seed, tuple(at or ()))
     if intents:
         _tell_intents(folder, selection, threshold, trials, picture, as_json=as_json)
         return
-    found = affordances(folder, plan(read_config(folder)), replace(selection, seed=seed or 0))
+    if models:
+        _tell_models(folder, replace(selection, seed=seed or 0), picture, as_json=as_json)
+        return
+    cells = plan(read_config(folder))
+    found = affordances(folder, cells, replace(selection, seed=seed or 0))
     if picture is not None:
         from visitlab_cli.affordances.picture import save_affordances
 
@@ -102,18 +117,76 @@ def command(
     elif as_json:
         tell_json({"run": str(folder), **to_json(found)})
     else:
-        tell_text(_text(found))
+        tell_text(
+            _text(found, [cell.group for cell in cells if MODELS in cell.parts and cell.agent == found.cell.agent])
+        )
 
 
-def _check_options(thresholds: Sequence[float], trials: int | None, *, intents: bool) -> None:
+def _check_options(thresholds: Sequence[float], trials: int | None, *, intents: bool, models: bool) -> None:
     from visitlab_cli.errors import UsageError
 
+    if intents and models:
+        raise UsageError("--models: not together with --intents")
     for name, given in (("--threshold", bool(thresholds)), ("--trials", trials is not None)):
         if given and not intents:
             raise UsageError(f"{name}: goes with --intents only")
     for each in thresholds:
         if not 0 < each <= 1:
             raise UsageError(f"--threshold {each:g}: must be a probability above 0")
+
+
+def _tell_models(folder: Path, selection: "Selection", picture: Path | None, *, as_json: bool) -> None:
+    from visitlab_cli.affordances.several import as_json as to_json
+    from visitlab_cli.affordances.several import several_models
+    from visitlab_cli.plan.cells import plan
+    from visitlab_cli.storage.run_folder import read_config
+
+    found = several_models(folder, plan(read_config(folder)), selection)
+    if picture is not None:
+        from visitlab_cli.affordances.several_picture import save_several
+
+        save_several(found, picture)
+        tell_json({"run": str(folder), "file": str(picture)}, None) if as_json else tell(str(picture))
+    elif as_json:
+        tell_json({"run": str(folder), **to_json(found)})
+    else:
+        tell_text(_models_text(found))
+
+
+def _models_text(found: "Several") -> str:
+    from visitlab_cli.affordances.plain import OUTCOMES
+    from visitlab_cli.affordances.several import AFFORDS, COMPARED, ENOUGH
+
+    whose = [["steps counted", "whose", "before", *found.cell.humans]]
+    whose += [
+        [f"model {each.number}", each.human or "several", f"{each.trained:,}", *(f"{n:,}" for n in each.steps.values())]
+        for each in found.models
+    ]
+    rows = [["action", "level", "level next", "", "general", *(f"model {each.number}" for each in found.models)]]
+    for arrow in COMPARED:
+        beliefs = [found.shared[arrow], *(each.beliefs[arrow] for each in found.models)]
+        words = [str(arrow.kind), arrow.level.name, OUTCOMES[arrow.outcome], str(found.verdicts[arrow])]
+        rows.append([*words, *map(_belief, beliefs)])
+    return "\n".join(
+        [
+            found.cell.path,
+            aligned(whose, words=2),
+            "",
+            aligned(rows, words=4),
+            "",
+            "Probability of the level next that a model believes (true with the human whose it is, who was there in",
+            "most of the steps that it counts). NOT_ENGAGED: any of the levels 0 to 4. What depends on engagement is",
+            f"told where the distance is right. Of models that tried it {ENOUGH} times: general: each affords it, with",
+            f"more than {AFFORDS:g}; by degree: and two differ; specific: two differ, and not each affords it; none: none",
+            "does; open: nobody can tell. As far as 99% intervals tell.",
+        ]
+    )
+
+
+def _belief(belief: "Belief") -> str:
+    if not belief.visits:
+        return "-"
+    return f"{belief.probability:.3f}" + ("" if math.isnan(belief.true) else f" ({belief.true:.3f})")
 
 
 def _tell_intents(
@@ -185,7 +258,7 @@ def _percent(share: float) -> str:
     return "-" if math.isnan(share) else f"{share:.0%}"
 
 
-def _text(found: "Affordances") -> str:
+def _text(found: "Affordances", several: Sequence[str]) -> str:
     lines = [f"{found.cell.path}, learned with {found.cell.human}", _table({"learned": found.knows}), ""]
     for each in found.adaptations:
         lines += [
@@ -197,6 +270,8 @@ def _text(found: "Affordances") -> str:
         "Probability of the level next (visits behind it). True: by the human's parameters, at the visits in the",
         "column before; - where they alone do not decide it. NOT_ENGAGED: any of the levels 0 to 4.",
     ]
+    if several:
+        lines += [f"With --models: each of its models in {several[0]}."]
     return "\n".join(lines)
 
 

@@ -7,6 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from visitlab_cli.agents.base import Saved
+from visitlab_cli.agents.model_switching import MEMORY
 from visitlab_cli.plan.cells import Cell
 
 Ints = npt.NDArray[np.int64]
@@ -33,6 +34,22 @@ def active_models(saved: Saved, steps: int) -> Ints:
     for step, _, model, _ in saved["switches"]:
         active[step:] = model
     return active
+
+
+def counting_models(saved: Saved, steps: int) -> Ints:
+    """The model that counts each step in the end, shape (steps,): a switch gives the new one those since the change."""
+    counting = np.zeros(steps, np.int64)
+    for step, _, model, since in saved["switches"]:
+        counting[max(since, step - MEMORY) :] = model
+    return counting
+
+
+def humans_there(cell: Cell) -> npt.NDArray[np.str_]:
+    """The name of the human who was there at each step of a cell, shape (steps,)."""
+    if not cell.settings.phases:
+        return np.full(cell.steps, cell.human)
+    lengths = np.array(cell.settings.phase_trials) * cell.settings.trial_steps
+    return np.repeat([phase.met for phase in cell.settings.phases], lengths)
 
 
 def met(cell: Cell, saved: Saved) -> Iterator[Met]:
