@@ -199,6 +199,9 @@ def test_it_plans_by_its_own_counts_and_what_the_others_have_in_common(lived):
     [
         ("active", lambda array: array + 7, "the active model is none of the 4"),
         ("models_q", lambda array: array[1:], "its models are not all of one size"),
+        ("switches", lambda array: array + [0, 0, 7, 0], "a switch is between models of which one is none of the 4"),
+        ("switches", lambda array: array[::-1], "its switches do not lie one after the other"),
+        ("switches", lambda array: array + [0, 0, 0, 2**40], "its switches do not lie one after the other"),
         ("models_visits", lambda array: array + 1, "successor_counts do not sum to visits"),
     ],
 )

@@ -21,9 +21,11 @@ seed: 7
 seeds: 2
 humans:
   fast: {p_S: [0, 0.5, 0.5], p_H: 0.05, p_M: 0.05, p_O: 0.15, p_A: 0.05}
+  slow: {p_S: [1, 0, 0], p_M: 0.1, p_O: 0.1}
 agents:
   mf: {kind: q_learning}
   mb: {kind: model_based}
+  multi: {kind: multi_model}
 experiments:
   navigation: {task: navigation, agents: [mf], steps: 200000}
   go_to_human: {task: go_to_human, agents: [mb], steps: 100000}
@@ -33,6 +35,14 @@ experiments:
     modules: {navigation: navigation/mf, go_to_human: go_to_human/mb, social: social/mb}
     humans: [fast]
     trials: 200
+  several: {task: social, agents: [multi], humans: [fast, slow], steps: 50000}
+  friends:
+    task: visit
+    modules:
+      navigation: navigation/mf
+      go_to_human: go_to_human/mb
+      social: {pool: [several/multi/fast, several/multi/slow]}
+    phases: [{trials: 60, human: fast}, {trials: 60, human: slow}]
 """
 LIMIT = 180.0
 """Seconds after which a command hangs."""

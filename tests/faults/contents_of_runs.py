@@ -24,6 +24,8 @@ def commands(run: Path) -> list[tuple[object, ...]]:
         ("runs", "diff", run, run),
         ("steps", run, "--trial", "3", "--experiment", "social"),
         ("affordances", run),
+        ("affordances", run, "--models"),
+        ("metrics", run),
         ("compare", run),
         ("export", run, "--csv"),
         ("report", run),

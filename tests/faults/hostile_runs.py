@@ -80,17 +80,20 @@ def hostile_array(this: Try, values: np.ndarray) -> np.ndarray:
     return made[this.random.randrange(len(made))]
 
 
+MODULES = ("friends/phases", "social/mb/fast", "navigation/mf", "several/multi/fast", "go_to_human/mb")
+
+
 @fault(
     "hostile-models",
     "model.npz or trials.parquet of a colleague, with right hashes: impossible values, shapes, kinds",
-    16,
+    20,
     1,
 )
 def hostile_models(this: Try) -> None:
     out = this.copy_of_whole()
     run = the_run(out)
-    cell = run / this.random.choice(["social/mb/fast", "navigation/mf", "go_to_human/mb"]) / "seed-0000"
-    if this.index % 4 == 3:
+    cell = run / MODULES[this.index % len(MODULES)] / "seed-0000"
+    if this.random.random() < 0.25:
         hostile_table(this, cell / "trials.parquet")
     else:
         with np.load(cell / "model.npz") as archive:
@@ -100,7 +103,8 @@ def hostile_models(this: Try) -> None:
         np.savez_compressed(cell / "model.npz", **arrays)
     signed(cell)
     looked_at(this, run)
-    shutil.rmtree(run / "visit" / "fast" / "seed-0000")
+    for visit in ("visit/fast", "friends/phases"):
+        shutil.rmtree(run / visit / "seed-0000")
     this.told(this.run(out, limit=90), 0, 4)
 
 

@@ -206,6 +206,11 @@ class MultiModelParameters(SweptParameters):
             return "its models are not all of one size"
         if saved["active"][0] >= rest_of:
             return f"the active model is none of the {rest_of}"
+        step, before, after, since = saved["switches"].T
+        if max(before.max(initial=0), after.max(initial=0)) >= rest_of:
+            return f"a switch is between models of which one is none of the {rest_of}"
+        if (np.diff(step) < 0).any() or (since > step).any():
+            return "its switches do not lie one after the other"
         return fault_in_model(model_arrays(saved, "models_"))
 
     def models(self, saved: Saved) -> dict[str, Saved]:
