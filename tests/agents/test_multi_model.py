@@ -8,10 +8,11 @@ import pytest
 
 from visitlab_cli.agents.base import Setting, learn
 from visitlab_cli.agents.model_based import ModelBased, ModelBasedParameters
-from visitlab_cli.agents.model_switching import contexts, gather
+from visitlab_cli.agents.model_switching import CANDIDATE, contexts, gather
 from visitlab_cli.agents.multi_model import MultiModelParameters
 from visitlab_cli.compiled import kernel
 from visitlab_cli.random_numbers import random_state
+from visitlab_cli.results.own_models import active_models
 from visitlab_cli.world.enums import N_SOCIAL_ACTIONS
 
 N, A = 2560, N_SOCIAL_ACTIONS
@@ -20,6 +21,8 @@ TRAINING = Setting("social", N, A, TRAINED)
 VISIT = Setting("visit", N, A, STEPS)
 PARAMETERS = MultiModelParameters(kind="multi_model", plan_every=100)
 STATES = np.arange(0, N, 137)
+LATE, RIGHT = 60, 0.95
+"""Of a human's return: the steps within which its own model is active, and the share of steps in which it is."""
 
 
 @kernel
@@ -68,15 +71,13 @@ class Plain:
         self.rewards = [Counter()]
         for pair, (first, last) in enumerate(rows):
             for place in range(first, last):
-                self.own[0][pair][int(saved["successor_states"][place])] = int(saved["successor_counts"][place])
+                self.own[0][pair][int(saved["successor_states"][place])] = float(saved["successor_counts"][place])
             self.rewards[0][pair] = float(saved["reward_sums"].ravel()[pair])
         self.context, self.steps, self.active, self.switches = contexts(N), [], 0, []
         self.restart()
 
     def restart(self):
-        self.evidence, self.begun = Counter(), defaultdict(lambda: self.now)
-        self.now = len(self.steps)
-        self.begun = dict.fromkeys(range(9), self.now)
+        self.evidence, self.begun = Counter(), dict.fromkeys(range(9), len(self.steps))
         self.candidate_begins()
 
     def candidate_begins(self):
@@ -170,12 +171,12 @@ def test_every_step_is_counted_once_and_the_humans_are_told_apart(lived):
     saved, agent = lived
     kept = PARAMETERS.save(agent)
     assert kept["models_visits"].sum() == saved["visits"].sum() + STEPS
-    at_the_end = [
-        [0, *(to for step, _, to, _ in kept["switches"] if step <= HUMAN_STAYS * (visits + 1))][-1]
-        for visits in range(5)
-    ]
-    assert at_the_end[3:] == at_the_end[1::-1]
-    assert len(set(at_the_end)) == 3
+    own = np.array([np.bincount(each).argmax() for each in active_models(kept, STEPS).reshape(5, HUMAN_STAYS)])
+    assert (own[3:] == own[1::-1]).all()
+    assert len(set(own)) == 3
+    right = active_models(kept, STEPS).reshape(5, HUMAN_STAYS) == own[:, None]
+    assert (right[3:].argmax(axis=1) < LATE).all()
+    assert right[3:].mean() > RIGHT
 
 
 def test_it_plans_by_its_own_counts_and_what_the_others_have_in_common(lived):
@@ -199,15 +200,89 @@ def test_it_plans_by_its_own_counts_and_what_the_others_have_in_common(lived):
     [
         ("active", lambda array: array + 7, "the active model is none of the 4"),
         ("models_q", lambda array: array[1:], "its models are not all of one size"),
-        ("switches", lambda array: array + [0, 0, 7, 0], "a switch is between models of which one is none of the 4"),
+        (
+            "switches",
+            lambda array: array + np.array([0, 0, 7, 0]),
+            "a switch is between models of which one is none of the 4",
+        ),
         ("switches", lambda array: array[::-1], "its switches do not lie one after the other"),
-        ("switches", lambda array: array + [0, 0, 0, 2**40], "its switches do not lie one after the other"),
+        ("switches", lambda array: array + np.array([0, 0, 0, 2**40]), "its switches do not lie one after the other"),
         ("models_visits", lambda array: array + 1, "successor_counts do not sum to visits"),
     ],
 )
 def test_saved_models_that_do_not_fit_are_told(lived, name, change, told):
     kept = PARAMETERS.save(lived[1])
     assert PARAMETERS.fault(VISIT, {**kept, name: change(kept[name])}) == told
+
+
+HERE, THERE, ELSEWHERE = STATES[:3]
+
+
+def stays_the_same(agent, following, first, n):
+    for step in range(first, first + n):
+        taught(agent, HERE, 0, 1.0, following, step, random_state(0))
+        yield step
+
+
+def test_a_chain_that_changes_by_hand():
+    """1,000 times from here to there; then to elsewhere, which nobody foresaw: 3 nats a step, until over 80."""
+    learned = PARAMETERS.create(TRAINING)
+    assert len(list(stays_the_same(learned, THERE, 1, 1000))) == 1000
+    agent = PARAMETERS.restore(VISIT, PARAMETERS.save(learned))
+    for step in stays_the_same(agent, ELSEWHERE, 1, 26):
+        assert agent.detection.evidence[CANDIDATE] == 3 * step
+    before = agent.qs[0].copy()
+    list(stays_the_same(agent, ELSEWHERE, 27, 1))
+    kept = PARAMETERS.save(agent)
+    assert kept["switches"].tolist() == [[27, 0, 1, 0]]
+    assert [each["visits"][HERE, 0] for each in PARAMETERS.models(kept).values()] == [27, 1000]
+    # twenty sweeps at once, from the values of before: of 27 its own and 20 of what the old one knows; R is 1
+    q = before
+    for _ in range(20):
+        values = q.max(axis=1)
+        q = np.full_like(q, 0.9 * values.mean())
+        q[HERE, 0] = 1 + 0.9 * (27 * values[ELSEWHERE] + 20 * values[THERE]) / 47
+    np.testing.assert_allclose(agent.qs[1], q, rtol=1e-12)
+    # the old one foretold there with its 1,000, the new one by what both have in common; it learns it, too
+    evidence, n = 0.0, 0
+    for _ in stays_the_same(agent, THERE, 28, 500):
+        general = (1 / 320 + 100 + n * min(1, 100 / (27 + n))) / (1 + 100 + min(27 + n, 100))
+        foretold = [(1000 + 20 * general) / 1020, (n + 20 * general) / (47 + n)]
+        evidence, n = evidence + math.log(foretold[0] / foretold[1]), n + 1
+        if evidence > 30:
+            break
+        assert agent.detection.evidence[0] == pytest.approx(evidence)
+    assert PARAMETERS.save(agent)["switches"][1].tolist() == [27 + n, 1, 0, 27]
+    assert [each["visits"][HERE, 0] for each in PARAMETERS.models(PARAMETERS.save(agent)).values()] == [1000 + n, 27]
+
+
+def test_a_candidate_that_is_no_better_begins_anew_after_3000_steps():
+    agent = PARAMETERS.restore(VISIT, PARAMETERS.save(PARAMETERS.create(TRAINING)))
+    list(stays_the_same(agent, THERE, 1, 3001))
+    assert agent.detection.begun[CANDIDATE] == 3000
+    assert agent.detection.model.visits.reshape(9, -1)[[0, CANDIDATE]].sum(axis=1).tolist() == [3001, 1]
+
+
+def copied(record):
+    if isinstance(record, tuple):
+        return type(record)(*map(copied, record))
+    return record.copy() if isinstance(record, np.ndarray) else record
+
+
+def test_its_record_is_all_that_it_is_in_the_middle_of_detection(lived):
+    """Copied while the evidence rises, it has the same future; whoever it is told is there."""
+    steps, stopped = list(visit()), 2 * HUMAN_STAYS + 15
+    agent, random = PARAMETERS.restore(VISIT, lived[0]), random_state(1, "test")
+    for step, transition in enumerate(steps[:stopped], 1):
+        taught(agent, *transition, step, random)
+    assert agent.detection.evidence.max() > 0
+    again, random_again = copied(agent), random.copy()
+    PARAMETERS.meet(again, 7)
+    for step, transition in enumerate(steps[stopped:], stopped + 1):
+        taught(agent, *transition, step, random)
+        taught(again, *transition, step, random_again)
+    whole, ours = PARAMETERS.save(agent), PARAMETERS.save(again)
+    assert all(np.array_equal(ours[name], whole[name], equal_nan=True) for name in whole)
 
 
 def test_told_who_comes_it_has_a_model_for_each():

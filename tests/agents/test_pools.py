@@ -7,6 +7,7 @@ import pytest
 
 from visitlab_cli.agents.base import Setting, learn
 from visitlab_cli.agents.model_based import ModelBasedParameters
+from visitlab_cli.agents.sparse_model import pooled_models
 from visitlab_cli.compiled import kernel
 from visitlab_cli.random_numbers import random_state
 
@@ -86,6 +87,28 @@ def test_a_pool_weighs_pairs_by_what_each_knows_and_is_swept_until_it_fits(stren
         )
     np.testing.assert_allclose(pooled["q"], q, rtol=1e-9)
     assert MB.taking_in_a_pool().fault(SETTING, pooled) is None
+
+
+def test_a_pool_by_hand():
+    """300 and 50 visits of a pair: of 100 and 50 that count, twenty are left."""
+    often = {"visits": 300, "reward_sums": 60, "followed": {0: 270, 1: 30}}
+    seldom = {"visits": 50, "reward_sums": 25, "followed": {1: 40, 2: 10}}
+    several = [
+        {
+            "q": np.full((3, 1), value),
+            "visits": np.array([[each["visits"]], [0], [0]]),
+            "reward_sums": np.array([[each["reward_sums"]], [0], [0]], float),
+            "successor_offsets": np.array([0, 2, 2, 2]),
+            "successor_states": np.array(list(each["followed"]), np.int32),
+            "successor_counts": np.array(list(each["followed"].values()), np.int32),
+        }
+        for each, value in ((often, 1.0), (seldom, 3.0))
+    ]
+    pooled = pooled_models(several, 20)
+    assert pooled["visits"].tolist() == [[20], [0], [0]]
+    assert pooled["successor_states"].tolist() == [0, 1, 2]
+    assert pooled["successor_counts"] == pytest.approx(np.array([90, 10 + 40, 10]) * 20 / 150)
+    assert pooled["reward_sums"][0, 0] == pytest.approx((20 + 25) * 20 / 150)
 
 
 def test_another_human_finds_old_counts_scaled_and_the_same_means():

@@ -5,10 +5,11 @@ from collections import Counter, defaultdict
 import numpy as np
 import pytest
 
-from visitlab_cli.agents.base import Setting, learn
+from visitlab_cli.agents.base import Setting, choose, learn
 from visitlab_cli.agents.coordinated import CoordinatedParameters
 from visitlab_cli.agents.dyna import DynaParameters
 from visitlab_cli.agents.forgetting import ForgettingParameters
+from visitlab_cli.agents.model_based import ModelBasedParameters
 from visitlab_cli.agents.prioritized_sweeping import PrioritizedSweepingParameters
 from visitlab_cli.agents.windowed import WindowedParameters
 from visitlab_cli.compiled import kernel
@@ -129,6 +130,73 @@ def test_coordinated_lets_the_cheap_expert_act_where_both_agree_and_sweeps_only_
     np.testing.assert_allclose(saved["agreement"].ravel(), agreement)
     np.testing.assert_allclose(saved["q_free"], free)
     np.testing.assert_allclose(agent.q, plain.q)
+
+
+OFTEN, SELDOM = {"gamma": 0.5, "epsilon": 0}, {"gamma": 0.5, "epsilon": 0, "plan_every": 1}
+FADED = 1 / 2 + 1 / 4 + 1 / 8 + 1 / 16
+"""What four outcomes weigh, of which each fades by a half at each later one."""
+KNOWN = 259 / 216
+"""What the state is worth after four outcomes, the other state as much as what was never tried: 1 + V / 6 each time."""
+CHANGED = [
+    (ModelBasedParameters(kind="model_based", unvisited="zero", **SELDOM), 4 / 5 + 1 / 2 * 1 / 5),
+    (ModelBasedParameters(kind="model_based", unvisited="zero", prior_strength=2, **SELDOM), 2 / 3 + 1 / 2 * 1 / 3),
+    (ModelBasedParameters(kind="model_based", exploration="optimistic", **SELDOM), 4 / 5 + 1 / 2 * 2),
+    (
+        ModelBasedParameters(kind="model_based", exploration="count_bonus", bonus=0.5, **SELDOM),
+        4 / 5 + 0.5 / 5**0.5 + 1 / 2 * (4 / 5 * 1 + 1 / 5 * 1.75),
+    ),
+    (WindowedParameters(kind="windowed", k=2, unvisited="zero", **SELDOM), 1 / 2 + 1 / 2 * 1 / 2),
+    (
+        ForgettingParameters(kind="forgetting", k=2, unvisited="zero", **SELDOM),
+        (FADED + 1 / 2) / (1 + FADED),
+    ),
+    (CoordinatedParameters(kind="coordinated", rate=1, unvisited="zero", **SELDOM), 1.0),  # its model is not swept
+    (
+        PrioritizedSweepingParameters(kind="prioritized_sweeping", backups=1, **OFTEN),
+        4 / 5 + 1 / 2 * (4 / 5 * KNOWN / 3 + 1 / 5 * KNOWN),
+    ),
+    (DynaParameters(kind="dyna", backups=1, **OFTEN), 4 / 5 + 1 / 2 * (4 / 5 * KNOWN / 3 + 1 / 5 * KNOWN)),
+]
+
+
+@pytest.mark.parametrize(("parameters", "worth"), CHANGED, ids=lambda each: getattr(each, "kind", ""))
+def test_a_chain_of_two_states_that_changes_after_four_steps_by_hand(parameters, worth):
+    """One action: from state 1 to 0 with a reward of 1, four times; then another human comes, and it stays in 1."""
+    agent, random = parameters.create(Setting("social", 2, 1, 10)), random_state(0)
+    teach(agent, [(step, 1, 0, 1.0, 0) for step in range(1, 5)], random)
+    parameters.meet(agent, 1)
+    teach(agent, [(5, 1, 0, 0.0, 1)], random)
+    assert agent.q[1, 0] == pytest.approx(worth, rel=1e-12)
+    if isinstance(parameters, CoordinatedParameters):
+        saved = parameters.save(agent)
+        assert (saved["controlled"][0], saved["sweeps"][0]) == (2, 2)  # both agree from the third step on
+        assert saved["q_free"][1, 0] == pytest.approx((1 - 0.9**4) * 0.95)
+
+
+@pytest.mark.parametrize("parameters", [each for each, _ in CHANGED], ids=lambda each: each.kind)
+def test_no_agent_knows_who_is_there(parameters):
+    """Named wrongly, in its cell's path and by its number, another human changes nothing but that one comes."""
+    saved = []
+    for path, human in (("visit/fast/seed-0000", 1), ("visit/slow/seed-0000", 7)):
+        agent, random = parameters.create(SETTING._replace(cell=path)), random_state(0)
+        teach(agent, list(random_steps())[:300], random)
+        parameters.meet(agent, human)
+        teach(agent, list(random_steps())[300:], random)
+        saved.append(parameters.save(agent))
+    assert all((saved[0][name] == saved[1][name]).all() for name in saved[0])
+
+
+@kernel
+def asked(agent, state, random):
+    return choose(agent, state, 1, random)
+
+
+def test_where_both_agree_the_model_free_expert_acts():
+    parameters = CoordinatedParameters(kind="coordinated", threshold=0.5, plan_every=20, gamma=GAMMA, epsilon=0)
+    agent, random = parameters.create(SETTING), random_state(0)
+    agent.q[:, 0] = agent.q_free[:, 2] = 1.0
+    agent.agreement[3] = 0.5
+    assert [asked(agent, state, random)[0] for state in range(STATES)] == [0, 0, 0, 2, 0, 0, 0]
 
 
 class PlainKnown(Plain):

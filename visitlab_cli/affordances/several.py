@@ -103,7 +103,7 @@ def several_models(run: Path, cells: Sequence[Cell], selection: Selection) -> Se
     chosen = [cell for cell in selection.of(run, cells) if MODELS in cell.parts]
     for cell in chosen:
         if read_cell(run / cell.path) is not None:
-            return _several(cell, model_of(run, cell))
+            return of_saved(cell, model_of(run, cell))
     if chosen:
         raise NotFoundError(f"{run}: {chosen[0].path} is not finished")
     known = dict.fromkeys(cell.experiment for cell in cells if MODELS in cell.parts)
@@ -113,7 +113,8 @@ def several_models(run: Path, cells: Sequence[Cell], selection: Selection) -> Se
     )
 
 
-def _several(cell: Cell, saved: Saved) -> Several:
+def of_saved(cell: Cell, saved: Saved) -> Several:
+    """The same of what a cell's agent saved."""
     by_name = cell.player.models(saved)
     kept = {int(name.split()[-1]): model for name, model in by_name.items() if model["visits"].any()}
     truths = {human: _truth(cell, human) for human in cell.humans}
@@ -131,7 +132,7 @@ def _several(cell: Cell, saved: Saved) -> Several:
 def _of_model(cell: Cell, saved: Saved, number: int, model: Saved, truths: Mapping[str, Truth]) -> OfModel:
     there = humans_there(cell)[counting_models(saved, cell.steps) == number]
     steps = {human: int((there == human).sum()) for human in cell.humans}
-    trained = round(float(model["visits"].sum())) - len(there)
+    trained = max(0, round(float(model["visits"].sum())) - len(there))
     human = _whose(steps, trained, _trained_with(cell))
     counts, truth = learned_counts(model), truths.get(human) or _truth(cell, human)
     return OfModel(number, human, trained, steps, graph(counts, truth), _beliefs(counts, truth))

@@ -12,7 +12,7 @@ from visitlab_cli.affordances.picture import EDGE, GAP, GRAPH, NAMES, TITLE, TIT
 from visitlab_cli.affordances.several import COMPARED, OfModel, Several, Verdict
 from visitlab_cli.colours import PALETTE
 from visitlab_cli.pictures.style import GREY, INK, PAGE, SMALL, STYLE, save, styled
-from visitlab_cli.pictures.words import fitting, in_lines
+from visitlab_cli.pictures.words import fitting, height_of, in_lines
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 # In inches.
 ACROSS = 3
 SMALL_GRAPH = (PAGE - (ACROSS + 1) * EDGE) / ACROSS
-SMALL_TITLE = 0.34
 LINE, VERDICTS, BELOW = 0.24, 1.15, 0.62
+ABOVE = 0.2
 MODEL_NAMES, TOP_NAMES = 0.62, 0.5
 DARK = 0.6
 """A share of a model's steps from which on its number is written in white."""
@@ -54,7 +54,10 @@ def draw_several(found: Several) -> "Figure":
     small = SMALL_GRAPH * HEIGHT / WIDTH
     big = TITLE + 0.14 + GRAPH * HEIGHT / WIDTH + GAP
     lines = LINE * len(COMPARED)
-    sheet = Sheet(big + rows * (SMALL_TITLE + small) + GAP + SMALL_TITLE + lines + BELOW)
+    titles = [in_lines(_title(model), SMALL_GRAPH - EDGE, TITLE_SIZE, "bold") for model in found.models]
+    above = ABOVE + max(height_of(title, TITLE_SIZE) for title in titles)
+    last = GAP + ABOVE + height_of("", TITLE_SIZE)
+    sheet = Sheet(big + rows * (above + small) + last + lines + BELOW)
     sheet.top = TITLE + 0.14
     _draw_whose(sheet, found)
     draw_graph(
@@ -62,13 +65,12 @@ def draw_several(found: Several) -> "Figure":
     )
     sheet.top = big
     differing = [arrow for arrow, verdict in found.verdicts.items() if verdict not in ALIKE]
-    for place, model in enumerate(found.models):
+    for place, (model, title) in enumerate(zip(found.models, titles, strict=True)):
         column = place % ACROSS
-        sheet.top = big + place // ACROSS * (SMALL_TITLE + small) + SMALL_TITLE
+        sheet.top = big + place // ACROSS * (above + small) + above
         axes = sheet.axes(EDGE + column * (SMALL_GRAPH + EDGE), SMALL_GRAPH, small)
-        title = in_lines(_title(model), SMALL_GRAPH - EDGE, TITLE_SIZE, "bold")
         draw_small_graph(axes, model.graph, title, differing)
-    sheet.top = big + rows * (SMALL_TITLE + small) + GAP + SMALL_TITLE
+    sheet.top = big + rows * (above + small) + last
     _draw_lines(sheet.axes(NAMES, PAGE - NAMES - VERDICTS, lines), found)
     sheet.top += lines + BELOW - 0.3
     sheet.write(MEANING, fontsize=SMALL, linespacing=1.3)
@@ -86,7 +88,7 @@ def _paint(model: OfModel) -> dict[str, Any]:
 
 def _draw_whose(sheet: Sheet, found: Several) -> None:
     """A row for each model: the steps that it counts, by who was there; shaded by the share of the row."""
-    humans = ["", *found.cell.humans]
+    humans = ["", *found.models[0].steps]
     counted = np.array([[model.trained, *model.steps.values()] for model in found.models])
     shares = counted / counted.sum(axis=1, keepdims=True)
     sheet.top += TOP_NAMES
@@ -124,7 +126,8 @@ def _draw_lines(axes: "Axes", found: Several) -> None:
                 continue
             axes.plot([belief.low, belief.high], [y, y], color=paint["color"], linewidth=0.8, alpha=0.6, zorder=2)
             axes.plot(belief.true, y, marker="|", color=INK, markersize=6, markeredgewidth=0.9, zorder=3)
-            axes.plot(belief.probability, y, markersize=2.6, linewidth=0, zorder=4, **paint)
+            (drawn,) = axes.plot(belief.probability, y, markersize=2.6, linewidth=0, zorder=4, **paint)
+            drawn.set_gid(f"{model.number}/{row}")
         verdict = found.verdicts[arrow]
         axes.text(1.04, row, str(verdict), va="center", fontsize=SMALL, color=GREY if verdict in ALIKE else INK)
         if row:
