@@ -63,7 +63,7 @@ LATER: dict[str, dict[str, tuple[str, Any]]] = {
     "SocialTraining": PHASES | HIDDEN,
     "ModelBasedParameters": SYMMETRIC
     | {"prior_strength": ("0.2.0", None), "exploration": ("0.2.0", "epsilon"), "bonus": ("0.2.0", None)},
-    "Config": {"labs": ("0.2.0", {})},
+    "Config": {"labs": ("0.2.0", {}), "figure": ("0.2.0", None)},
     "Visit": PHASES
     | LAB
     | HIDDEN

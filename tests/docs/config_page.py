@@ -32,6 +32,7 @@ SECTIONS = {
     "interaction": ("interaction", ""),
     "record": ("record", ""),
     "expected": ("expected", "By `experiment/agent`, `experiment/agent/human` or `visit/human`."),
+    "figure": ("figure", ""),
 }
 PARTS = {
     "modules": [{"$ref": "#/$defs/Modules"}],
@@ -77,6 +78,8 @@ def entries(node, definitions):
         return [node]
     if "$ref" in node:
         return [definitions[node["$ref"].rpartition("/")[2]]]
+    if "anyOf" in node:
+        return [found for each in node["anyOf"] if each.get("type") != "null" for found in entries(each, definitions)]
     if "oneOf" in node:
         return [found for each in node["oneOf"] for found in entries(each, definitions)]
     if "patternProperties" in node:

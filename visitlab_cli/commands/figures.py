@@ -9,7 +9,7 @@ from visitlab_cli.console.help import Help
 from visitlab_cli.console.options import RUNS, Json, Out, Run
 from visitlab_cli.terminal import tell, tell_json
 
-FIGURES = ("fig6", "fig7", "fig8", "fig9", "doors", "grid", "phases", "visits")
+FIGURES = ("fig6", "fig7", "fig8", "fig9", "curves", "doors", "grid", "meetings", "phases", "visits")
 """As `figures.making` draws them; which is too heavy to ask."""
 
 HELP = Help(
@@ -38,9 +38,9 @@ def command(
     out: Out = RUNS,
     as_json: Json = False,
 ) -> None:
-    """Draw the paper's figures that a run has the data for, the published curves behind ours; a grid, and phases.
+    """Draw the figure that answers the question of a run's config; where that asks none, all that it has data for.
 
-    A published curve is there only where all that decides it is as published. In RUN/figures/.
+    Of the paper's figures a published curve is there only where all that decides it is as published. In RUN/figures/.
     """
     from visitlab_cli.figures.making import make_figures
     from visitlab_cli.replay.strip import strip

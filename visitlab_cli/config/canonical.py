@@ -10,7 +10,7 @@ from visitlab_cli.config.model import Config
 from visitlab_cli.settings import as_yaml
 from visitlab_cli.yaml.scalars import meaning
 
-NOT_HASHED = ("name", "seeds", "expected")
+NOT_HASHED = ("name", "seeds", "expected", "figure")
 HASH_DIGITS = 8
 
 
@@ -31,7 +31,7 @@ def _without_the_idle(config: Config, plain: dict[str, Any]) -> dict[str, Any]:
 
 
 def hashed(config: Config) -> dict[str, Any]:
-    """What decides a result: the canonical config without `name`, `seeds`, `expected` and later settings' defaults."""
+    """What decides a result: the canonical config without what is `NOT_HASHED` and later settings' defaults."""
     plain = _without_the_idle(config, as_yaml(config, hashed=True))
     return {key: value for key, value in plain.items() if key not in NOT_HASHED}
 
@@ -42,7 +42,7 @@ def canonical_json(config: Config) -> str:
 
 
 def config_hash(config: Config) -> str:
-    """8 hex digits: configs that differ only in name, number of seeds or expected values share them."""
+    """8 hex digits: configs that differ only in name, number of seeds, expected values or figure share them."""
     return hashlib.sha256(canonical_json(config).encode()).hexdigest()[:HASH_DIGITS]
 
 

@@ -16,7 +16,7 @@ from visitlab_cli.yaml.overrides import Sections, apply_overrides
 from visitlab_cli.yaml.problems import Problem, failure
 from visitlab_cli.yaml.reader import read_yaml
 
-OWN_KEYS = ("name", "seed", "seeds", "record")
+OWN_KEYS = ("name", "seed", "seeds", "record", "figure")
 """What a file does not take over from those that it includes."""
 EXPECTED = "expected"
 HARMLESS = ("seed", "seeds")

@@ -7,6 +7,7 @@ from pydantic import AfterValidator, Discriminator, Field, JsonValue, Tag
 
 from visitlab_cli.agents.registry import AnyAgent
 from visitlab_cli.config.experiments import AnyExperiment
+from visitlab_cli.config.figure import FigureSettings
 from visitlab_cli.config.labs import AnyLab
 from visitlab_cli.config.names import LOG_ENDING, RESERVED_EXPERIMENTS, RESERVED_RUNS, Name
 from visitlab_cli.humans.registry import AnyHuman
@@ -124,6 +125,11 @@ class Config(Settings):
         default={},
         description="what experiment/agent, experiment/agent/human or visit/human should reach; "
         "checked where nothing but `seed` and `seeds` was overridden",
+    )
+    figure: FigureSettings | None = Field(
+        default=None,
+        description="the one figure that answers its question, which `visitlab figures` then draws",
+        json_schema_extra=since("0.2.0"),
     )
 
     @property

@@ -15,6 +15,8 @@ from visitlab_cli.results.groups import Group, groups_of
 from visitlab_cli.results.units import Units, by_unit
 from visitlab_cli.storage.cell_folder import read_cell
 
+Floats = npt.NDArray[np.float64]
+
 FIRST = 20
 """So many trials of a phase are its first ones, unless said."""
 
@@ -86,6 +88,56 @@ def phase_results(run: Path, cells: Sequence[Cell], first: int = FIRST) -> list[
     return [result for group in groups_of(done) for result in _of_group(run, group, first)]
 
 
+class Meetings(NamedTuple):
+    """Reward a trial of each independent unit with humans who are new, and who come again: arrays of shape (units,).
+
+    `first` is of a phase's first trials, `rest` of the others, each the mean over such phases; empty where there are
+    none. The first phase is neither, nor is one whose human stood there before.
+    """
+
+    first_new: Floats
+    rest_new: Floats
+    first_again: Floats
+    rest_again: Floats
+    met_again: bool
+
+
+def meetings(run: Path, cells: Sequence[Cell], first: int = FIRST) -> Meetings | None:
+    """What came of the meetings of finished cells that differ in nothing but their seeds; None without humans.
+
+    Raises:
+        RunError: a table of trials is damaged.
+    """
+    humans = [phase.met for phase in cells[0].settings.phases]
+    places = range(1, len(humans))
+    new = [place for place in places if humans[place] not in humans[:place]]
+    again = [place for place in places if humans[place] in humans[:place] and humans[place] != humans[place - 1]]
+    if not any(humans):
+        return None
+    by_phase, begin, rest = _by_phase(run, cells), slice(first), slice(first, None)
+    return Meetings(
+        first_new=_mean_in(by_phase, new, begin),
+        rest_new=_mean_in(by_phase, new, rest),
+        first_again=_mean_in(by_phase, again, begin),
+        rest_again=_mean_in(by_phase, again, rest),
+        met_again=bool(again),
+    )
+
+
+def _mean_in(by_phase: Sequence[Sequence[Floats]], phases: Sequence[int], part: slice) -> Floats:
+    """The mean of each unit over those phases that have such trials."""
+    found = [[unit[phase][part].mean() for phase in phases if len(unit[phase][part])] for unit in by_phase]
+    return np.array([np.mean(values) for values in found if values])
+
+
+def _by_phase(run: Path, cells: Sequence[Cell]) -> list[list[Floats]]:
+    """The trials of each independent unit in each phase, the mean over its cells."""
+    ends = np.cumsum(cells[0].settings.phase_trials)
+    units = by_unit(cells)
+    rewards = [np.mean([trials_of(run, cell)["reward"] for cell in members], axis=0) for members in units.values()]
+    return [np.split(of_unit, ends[:-1]) for of_unit in rewards]
+
+
 def check_any(run: Path, cells: Sequence[Cell], found: Sequence[PhaseResult]) -> None:
     """Refuse where nothing was found.
 
@@ -102,8 +154,7 @@ def _of_group(run: Path, group: Group, first: int) -> list[PhaseResult]:
     lengths = settings.phase_trials
     ends = np.cumsum(lengths)
     units = by_unit(group.cells)
-    rewards = [np.mean([trials_of(run, cell)["reward"] for cell in members], axis=0) for members in units.values()]
-    parts = [np.split(of_unit, ends[:-1]) for of_unit in rewards]  # by unit, then phase
+    parts = _by_phase(run, group.cells)
     met: dict[str, int] = {}
     places = settings.changes_of_place
     found = []

@@ -6,16 +6,15 @@ from statistics import fmean
 from typing import Any, NamedTuple
 
 from visitlab_cli.plan.cells import Cell
-from visitlab_cli.plan.saved import model_of, setting_of, trials_of
+from visitlab_cli.plan.saved import trials_of
+from visitlab_cli.results.costs import microseconds, updates
 from visitlab_cli.results.estimates import Estimate, mean_of
 from visitlab_cli.results.groups import reached
 from visitlab_cli.scores.anchors import EXACT, Best, best_of
 from visitlab_cli.scores.asking import Asked
 from visitlab_cli.scores.rows import COSTS, Row, Rows
 from visitlab_cli.storage.cell_folder import read_cell
-from visitlab_cli.storage.facts import cpu_seconds_of
 
-MICRO = 1e6
 RANDOM = "random actions, played on the same cells"
 
 
@@ -142,20 +141,11 @@ def _all_trials(run: Path, cell: Cell) -> float:
     return float(trials_of(run, cell)["reward"].mean())
 
 
-def _microseconds(run: Path, cell: Cell) -> float | None:
-    seconds = cpu_seconds_of(run / cell.path)
-    return None if seconds is None else seconds / cell.steps * MICRO
-
-
-def _updates(run: Path, cell: Cell) -> float | None:
-    return cell.config.agents[cell.agent].updates_a_step(setting_of(cell), model_of(run, cell))
-
-
 _MEASURES: Mapping[str, Callable[[Path, Cell], float | None]] = {
     "level": reached,
     "all": _all_trials,
-    "cpu": _microseconds,
-    "updates": _updates,
+    "cpu": microseconds,
+    "updates": updates,
 }
 
 

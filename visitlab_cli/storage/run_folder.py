@@ -43,7 +43,8 @@ def run_folder(out: Path, config: Config) -> Path:
 def open_run(out: Path, config: Config, versions: Mapping[str, str]) -> tuple[Path, Config]:
     """The run folder of `config` below `out`, made if it is not there, and the config it now stands for.
 
-    More seeds than before, and other expected values, are written to its `config.yaml`; fewer leave it as it is.
+    More seeds than before, other expected values and another figure are written to its `config.yaml`; fewer leave it as
+    it is.
 
     Raises:
         RunError: the folder can't be written, or its own config was edited or is damaged.
@@ -62,9 +63,8 @@ def open_run(out: Path, config: Config, versions: Mapping[str, str]) -> tuple[Pa
                 f"{run / CONFIG}: was edited: {in_words(differences(hashed(config), hashed(stored)))}; "
                 "delete it and do the same again, which writes it as it was, or move the run away"
             )
-        now = config.model_copy(
-            update={"seeds": max(config.seeds, stored.seeds), "expected": config.expected or stored.expected}
-        )
+        told = {"expected": config.expected or stored.expected, "figure": config.figure or stored.figure}
+        now = config.model_copy(update={"seeds": max(config.seeds, stored.seeds), **told})
         if now != stored:
             _replace(run / CONFIG, dump_yaml(now))
     except OSError as error:
