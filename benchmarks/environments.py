@@ -3,10 +3,12 @@
     python -m benchmarks.environments
 
 Actions are drawn beforehand. Of one environment the loop's own work (a call, a tuple, the test for an episode's end)
-is in the figure; the last column is what was to be reached.
+is in the figure.
 """
 
 import time
+
+from benchmarks.rows import Row, number, show
 
 LANES = 1024
 SINGLE_STEPS, LANE_STEPS = 200_000, 400
@@ -54,17 +56,19 @@ def lanes(name, keywords):
     return LANES * LANE_STEPS / (time.perf_counter() - begun)
 
 
-def main():
+def rows():
     import visitlab_cli.gym  # noqa: F401  (it registers)
 
-    print(f"{'':34}{'one':>12}{'wanted':>12}{f'{LANES} lanes':>14}{'wanted':>12}   steps a second")
     for (name, pairs), (of_one, of_lanes) in CASES.items():
         keywords = dict(pairs)
         fast = max(single(name, keywords) for _ in range(REPETITIONS))
         many = max(lanes(name, keywords) for _ in range(REPETITIONS))
         words = " ".join([name, *(f"{key}={value}" for key, value in pairs)])
-        print(f"{words:34}{fast:12,.0f}{of_one or '-':>12}{many:14,.0f}{of_lanes or '-':>12}", flush=True)
+        yield Row(f"Gymnasium, {words}, one environment", fast, "steps/s", wanted=f"{of_one:,}" if of_one else "")
+        beside = f"one {number(fast)}"
+        wanted = f"{of_lanes:,}" if of_lanes else ""
+        yield Row(f"Gymnasium, {words}, {LANES:,} lanes", many, "steps/s", beside, many / fast, wanted)
 
 
 if __name__ == "__main__":
-    main()
+    show(rows())

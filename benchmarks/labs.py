@@ -9,6 +9,7 @@ import time
 
 import numpy as np
 
+from benchmarks.rows import Row, show
 from visitlab_cli.agents.base import Setting
 from visitlab_cli.agents.q_learning import QLearningParameters
 from visitlab_cli.exact.models import go_to_human_mean_q
@@ -74,7 +75,7 @@ def plan_seconds(lab):
     return best
 
 
-def main():
+def rows():
     for task, steps in STEPS.items():
         records = {name: record_of(task, lab) for name, lab in labs().items()}
         for record in records.values():
@@ -83,11 +84,14 @@ def main():
         for _ in range(ROUNDS):
             for name, record in records.items():
                 best[name] = min(best[name], seconds_a_step(task, record, steps))
+        of_open = best["open"]
         for name, seconds in best.items():
-            print(f"{task:12}{name:28}{1e6 * seconds:8.3f} us a step{seconds / best['open']:8.2f}", flush=True)
+            wanted = "1.3" if name != "open" else ""
+            yield Row(f"a step, {task} by q_learning, {name}", 1e9 * seconds, "ns", "open", seconds / of_open, wanted)
     for name, lab in labs().items():
-        print(f"{'lead plan':12}{name:28}{plan_seconds(lab):8.2f} s of a core, ten sweeps")
+        wanted = "2" if name == "open" else ""
+        yield Row(f"a plan to lead, ten sweeps, {name}", plan_seconds(lab), "s of CPU", wanted=wanted)
 
 
 if __name__ == "__main__":
-    main()
+    show(rows())

@@ -16,6 +16,7 @@ import tempfile
 from pathlib import Path
 
 import visitlab_cli
+from benchmarks.rows import Row, number, show
 from visitlab_cli.agents import q_learning
 
 ROUNDS = 7
@@ -92,7 +93,7 @@ def steps_a_second(folder, kind, steps, seed):
     return steps / timing["seconds"] if recorded else timing["steps_per_second"]
 
 
-def main():
+def rows():
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         copy = Path(q_learning.__file__).read_text().replace('Literal["q_learning"]', 'Literal["q_copy"]')
@@ -104,12 +105,11 @@ def main():
             {kind: steps_a_second(folder, kind, STEPS[kind], seed) for kind in sorted(STEPS, reverse=seed % 2 == 0)}
             for seed in range(1, ROUNDS + 1)
         ]
-    for kind in STEPS:
-        print(f"{kind:12}{statistics.median(each[kind] for each in rounds):14,.0f} steps a second")
-    ratios = [each["q_copy"] / each["q_learning"] for each in rounds]
-    print(f"a compiled plug-in over the built-in kind: {statistics.median(ratios):.3f}")
-    print("each round:", ", ".join(f"{ratio:.3f}" for ratio in ratios))
+    built_in, copied, plain = (statistics.median(each[kind] for each in rounds) for kind in STEPS)
+    ratio = statistics.median(each["q_copy"] / each["q_learning"] for each in rounds)
+    yield Row("social, a compiled plug-in", copied, "steps/s", f"the built-in kind {number(built_in)}", ratio)
+    yield Row("social, an agent in plain Python, recorded", plain, "steps/s")
 
 
 if __name__ == "__main__":
-    main()
+    show(rows())

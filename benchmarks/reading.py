@@ -12,13 +12,14 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from itertools import islice
 from pathlib import Path
 
 from mcap.reader import make_reader
 from mcap_protobuf.decoder import DecoderFactory
 
+from benchmarks.rows import Row, number, show
 from visitlab_cli.log.reader import iter_steps, read_steps, read_trial, trials
 from visitlab_cli.log.recovery.recovery import recover
 from visitlab_cli.log.tables import to_arrow
@@ -98,16 +99,12 @@ def peak_mib(path: Path, how: str) -> float:
     return int(subprocess.run(command, check=True, capture_output=True, text=True).stdout) / 1024
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("log", nargs="?", type=Path, metavar="LOG", help="a steps.mcap of a run")
-    log = parser.parse_args().log
+def rows(log: Path | None = None) -> Iterator[Row]:
+    """Reading `log`, or a log of its own."""
     with tempfile.TemporaryDirectory() as folder:
         path = log or simulated(Path(folder))
         table = trials(path)
-        rows = len(read_steps(path, ["step"])["step"])
-        print(f"{rows:,} messages in {len(table['trial']):,} trials, {path.stat().st_size / 1e6:.0f} MB\n")
-
+        steps = len(read_steps(path, ["step"])["step"])
         stock = stock_seconds(path)
         calls: dict[str, Callable[[], object]] = {
             "one column": lambda: read_steps(path, ["reward"]),
@@ -115,30 +112,35 @@ def main() -> None:
             "all columns": lambda: read_steps(path),
             "all columns as Arrow, named": lambda: to_arrow(read_steps(path), named=True),
         }
-        print(f"{'':28} {'messages/s':>12} {'x stock':>8}")
-        print(f"{'stock reader, decoded':28} {1 / stock:12,.0f} {1:8.0f}")
+        beside = f"stock reader, decoded {number(1 / stock)}"
         for name, call in calls.items():
             seconds = least_seconds(call)
-            print(f"{name:28} {rows / seconds:12,.0f} {stock * rows / seconds:8.0f}")
+            yield Row(f"reading {name}", steps / seconds, "messages/s", beside, stock * steps / seconds)
 
         numbers = random.Random(0).sample(table["trial"].tolist(), min(TRIALS_READ, len(table["trial"])))
         each = sorted(1e3 * least_seconds(lambda number=number: read_trial(path, number)) for number in numbers)
-        print(f"\none trial: median {statistics.median(each):.1f} ms, slowest of {len(each)} {each[-1]:.1f} ms")
+        yield Row(f"reading one trial of {number(len(table['trial']))}", statistics.median(each), "ms")
         middle = int(numbers[len(numbers) // 2])
-        print(
-            f"one trial as a Rerun recording, start-up aside: {least_seconds(lambda: as_recording(path, middle)):.2f} s"
+        yield Row(
+            "one trial as a Rerun recording, start-up aside", least_seconds(lambda: as_recording(path, middle)), "s"
         )
-        print(f"table of all trials: {least_seconds(lambda: trials(path)):.2f} s")
+        yield Row("the table of all trials", least_seconds(lambda: trials(path)), "s")
 
         if Path("/proc/self/status").exists():
-            rises = ", ".join(f"{how} {peak_mib(path, how):.0f} MiB" for how in WAYS)
-            print(f"memory rises by: {rises}")
+            for how in WAYS:
+                yield Row(f"memory that reading {how} takes", peak_mib(path, how), "MiB")
 
         broken, fixed = Path(folder) / "broken.mcap", Path(folder) / "fixed.mcap"
         broken.write_bytes(path.read_bytes()[:-1000])
         start = time.perf_counter()
         saved = recover(broken, fixed)
-        print(f"recovered {saved.steps:,} steps in {time.perf_counter() - start:.1f} s")
+        yield Row("recovering a log that was cut", saved.steps / (time.perf_counter() - start), "messages/s")
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("log", nargs="?", type=Path, metavar="LOG", help="a steps.mcap of a run")
+    show(rows(parser.parse_args().log))
 
 
 if __name__ == "__main__":

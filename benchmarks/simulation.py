@@ -1,107 +1,75 @@
-"""Steps a second of the simulation on one core, planning included, recording not; compiled beside uncompiled.
+"""Steps a second of the simulation on one core: tasks and agents, planning and recording on and off, controllers.
 
-    python -m benchmarks.simulation
+    python -m benchmarks.simulation [PART OF A NAME ...]
 
-Each line is measured in a process of its own. The uncompiled figure is of the same code with NUMBA_DISABLE_JIT=1,
-over fewer steps, planning as often. The visit starts from the social module trained in the line before.
+Each line is measured in a process of its own, by CPU time, after its kernels were compiled. The uncompiled figure is
+of the same code with NUMBA_DISABLE_JIT=1, over fewer steps, planning as often; its visits start from modules that
+were trained for 2,000 steps.
 """
 
-import json
-import os
-import subprocess
 import sys
-import time
+from collections.abc import Iterator, Sequence
+from typing import Any
 
-CASES = {  # name: (steps compiled, steps uncompiled, steps a second that an independent simulation reaches untuned)
-    "navigation q_learning": (2_000_000, 20_000, 1_500_000),
-    "navigation model_based": (500_000, 3_000, None),
-    "navigation rmax": (500_000, 3_000, None),
-    "go_to_human model_based": (500_000, 5_000, None),
-    "social q_learning": (1_000_000, 10_000, None),
-    "social model_based": (500_000, 3_000, 400_000),
-    "social rmax": (500_000, 3_000, None),
-    "visit model_based": (100_000, 500, 60_000),
+from benchmarks.cases import Case, in_new_process, speed
+from benchmarks.rows import Row, number, show
+
+UNIT = "steps/s of CPU"
+Q, MODEL_BASED, RMAX = {"kind": "q_learning"}, {"kind": "model_based"}, {"kind": "rmax"}
+SELDOM = {"plan_every": 1_000_000_000}
+NEVER = {"kind": "model_based", **SELDOM}
+ADAPTING = ("windowed", "forgetting", "coordinated", "multi_model", "dyna", "prioritized_sweeping")
+WALLS = {"walls": {"rooms": "3 x 3", "size": "8 x 8", "walls": "between", "doorway": 2}}
+NAVIGATION, SOCIAL = Case("navigation", Q, 4_000_000), Case("social", MODEL_BASED, 1_000_000)
+VISIT = Case("visit", MODEL_BASED, 200_000)
+COMPILED = {  # name: (case, steps uncompiled, steps a second to reach)
+    "navigation q_learning": (NAVIGATION, 20_000, 7_000_000),
+    "navigation model_based, a sweep every 1,000": (Case("navigation", MODEL_BASED, 1_000_000), 3_000, None),
+    "navigation rmax": (Case("navigation", RMAX, 1_000_000), 3_000, None),
+    "go_to_human model_based, a sweep every 1,000": (Case("go_to_human", MODEL_BASED, 1_000_000), 5_000, None),
+    "social q_learning": (Case("social", Q, 2_000_000), 10_000, None),
+    "social model_based, a sweep every 1,000": (SOCIAL, 3_000, 1_200_000),
+    "social rmax": (Case("social", RMAX, 1_000_000), 3_000, None),
+    "visit model_based, a sweep every 100": (VISIT, 500, 250_000),
 }
-HUMAN_2 = {"p_S": (0.0, 0.5, 0.5), "p_H": 0.05, "p_M": 0.05, "p_O": 0.15, "p_A": 0.05, "p_P": 0.0}
-WARM_UP_STEPS = 200
-SOCIAL_STEPS = 500_000
+BESIDE = {  # name: (case, the name of what it is compared with, its case)
+    "social model_based, no sweeps": (Case("social", NEVER, 1_000_000), "a sweep every 1,000", SOCIAL),
+    "visit model_based, no sweeps": (VISIT._replace(more=SELDOM, steps=1_000_000), "a sweep every 100", VISIT),
+    "visit, controller route and mask": (VISIT._replace(more={"controller": ["route", "mask"]}), "paper", VISIT),
+    "visit, controller lead": (VISIT._replace(more={"controller": "lead"}), "paper", VISIT),
+    "navigation q_learning behind walls": (NAVIGATION._replace(more={"lab": "walls"}, labs=WALLS), "open", NAVIGATION),
+    **{f"social {kind}": (SOCIAL._replace(agent={"kind": kind}), "model_based", SOCIAL) for kind in ADAPTING},
+}
+RECORDED = {
+    "navigation q_learning": NAVIGATION._replace(steps=1_000_000),
+    "social model_based": SOCIAL,
+    "visit model_based": VISIT,
+}
 
 
-def measure(name, steps):
-    """Steps a second of playing `steps` steps of a case, after a warm-up."""
-    import numpy as np
-    from pydantic import TypeAdapter
+def rows(parts: Sequence[str] = ()) -> Iterator[Row]:
+    """Compiled beside uncompiled, cases side by side, recording beside none; those with all `parts` in their names."""
 
-    from visitlab_cli.agents.base import Setting
-    from visitlab_cli.agents.registry import AnyAgent
-    from visitlab_cli.compiled import JIT_DISABLED
-    from visitlab_cli.humans.six_parameters import SixParameters
-    from visitlab_cli.random_numbers import random_state
-    from visitlab_cli.simulation.loop import BLOCK_ROWS, START, play
-    from visitlab_cli.simulation.visit import make_visit
-    from visitlab_cli.world.columns import empty_columns
-    from visitlab_cli.world.go_to_human import make_go_to_human
-    from visitlab_cli.world.lab import paper_lab
-    from visitlab_cli.world.navigation import make_navigation
-    from visitlab_cli.world.social import make_social
-    from visitlab_cli.world.tasks import TASKS
-    from visitlab_cli.world.visit import make_visit_world
+    def asked(cases: dict[str, Any]) -> dict[str, Any]:
+        return {name: case for name, case in cases.items() if all(part in name for part in parts)}
 
-    def run(record, agent, task, steps):
-        random, columns = random_state(0, task), empty_columns(BLOCK_ROWS)
-        rewards, cursor = np.zeros(steps // record.trial_steps + 1), START
-        begun = time.process_time()
-        while cursor.steps < steps:
-            cursor, _ = play(record, agent, cursor, steps, random, columns, rewards)
-        return steps / (time.process_time() - begun)
-
-    def trained(task, record, steps):
-        parameters = TypeAdapter(AnyAgent).validate_python({"kind": "model_based"})
-        agent = parameters.create(Setting(task, *TASKS[task].size(paper_lab()), steps))
-        run(record, agent, task, steps)
-        return parameters.save(agent)
-
-    task, kind = name.split()
-    parameters = TypeAdapter(AnyAgent).validate_python({"kind": kind})
-    human = SixParameters(**HUMAN_2).create()
-    if task == "visit":
-        # uncompiled, training would take hours: the same sweep over a model of fewer successors
-        lessons = 2000 if JIT_DISABLED else SOCIAL_STEPS
-        social = trained("social", make_social(human), lessons)
-        tables = [trained(each, make(), min(lessons, 200_000))["q"] for each, make in
-                  (("navigation", make_navigation), ("go_to_human", make_go_to_human))]  # fmt: skip
-        record = make_visit(make_visit_world(human), *tables)
-        parameters = parameters.model_copy(update={"plan_every": 100})
-
-        def agent(steps):
-            return parameters.restore(Setting(task, *TASKS[task].size(paper_lab()), steps), social)
-    else:
-        makers = {"navigation": make_navigation, "go_to_human": make_go_to_human, "social": lambda: make_social(human)}
-        record = makers[task]()
-
-        def agent(steps):
-            return parameters.create(Setting(task, *TASKS[task].size(paper_lab()), steps))
-
-    run(record, agent(WARM_UP_STEPS), task, WARM_UP_STEPS)
-    return run(record, agent(steps), task, steps)
-
-
-def in_new_process(name, steps, **environment):
-    command = [sys.executable, "-m", "benchmarks.simulation", name, str(steps)]
-    done = subprocess.run(command, env=os.environ | environment, check=True, capture_output=True, text=True)
-    return json.loads(done.stdout)
-
-
-def main():
-    print(f"{'':24}{'compiled':>14}{'uncompiled':>14}{'ratio':>8}{'to reach':>12}   steps a second of CPU time")
-    for name, (steps, few, wanted) in CASES.items():
-        fast = in_new_process(name, steps)
-        slow = in_new_process(name, few, NUMBA_DISABLE_JIT="1")
-        print(f"{name:24}{fast:14,.0f}{slow:14,.0f}{fast / slow:8.0f}{wanted or '-':>12}", flush=True)
+    for name, (case, few, wanted) in asked(COMPILED).items():
+        fast, slow = speed(case), speed(case.uncompiled(few), NUMBA_DISABLE_JIT="1")
+        wanted_text = f"{wanted:,}" if wanted else ""
+        yield Row(name, fast, UNIT, f"uncompiled {number(slow)}", fast / slow, wanted_text)
+    for name, (case, other_name, other) in asked(BESIDE).items():
+        one, beside = speed(case), speed(other)
+        yield Row(name, one, UNIT, f"{other_name} {number(beside)}", one / beside)
+    for name, case in asked(RECORDED).items():
+        played, kept = in_new_process(case), in_new_process(case._replace(recorded=True))
+        beside = f"not recorded {number(played['steps'] / played['seconds'])}"
+        ratio = played["seconds"] / kept["seconds"]
+        yield Row(f"{name}, recorded", kept["steps"] / kept["seconds"], UNIT, beside, ratio)
+        yield Row(
+            f"{name}, recorded, by the clock", kept["wall"] / played["wall"], "times", "not recorded", None, "1.1"
+        )
+        yield Row(f"{name}, log", kept["bytes"] / kept["steps"], "bytes a step")
 
 
 if __name__ == "__main__":
-    if len(sys.argv) > 1:
-        print(json.dumps(measure(sys.argv[1], int(sys.argv[2]))))
-    else:
-        main()
+    show(rows(sys.argv[1:]))
