@@ -42,12 +42,7 @@ check: $(READY)
 	$(BIN)/mypy
 
 benchmark: $(READY)
-	$(BIN)/python -m benchmarks.simulation
-	$(BIN)/python -m benchmarks.recording
-	$(BIN)/python -m benchmarks.reading
-	$(BIN)/python -m benchmarks.program
-	$(BIN)/python -m benchmarks.plugins
-	$(BIN)/python -m benchmarks.environments
+	$(BIN)/python -m benchmarks --page docs/performance.md
 
 $(READY): pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)
