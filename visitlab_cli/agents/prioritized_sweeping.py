@@ -54,6 +54,10 @@ class Sources(NamedTuple):
     before: Ints
     end: Ints
 
+    def filled(self) -> dict[str, int]:
+        """How much of the chains is in use, in a checkpoint."""
+        return dict.fromkeys(("pair", "state", "before"), int(self.end[0]))
+
 
 class PrioritizedSweeping(NamedTuple):
     """`q` has shape (states, actions)."""

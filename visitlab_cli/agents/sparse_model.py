@@ -42,6 +42,10 @@ class SparseModel(NamedTuple):
     pool_counts: Weights
     pool_end: Ints  # shape (1,)
 
+    def filled(self) -> dict[str, int]:
+        """How much of the pool is in use, in a checkpoint."""
+        return dict.fromkeys(("pool_states", "pool_counts"), int(self.pool_end[0]))
+
 
 def empty_model(setting: Setting, kind: type[np.generic] = np.int32) -> SparseModel:
     """A model that has seen nothing, with room for `setting.steps` visits, which are counted in numbers of a kind."""

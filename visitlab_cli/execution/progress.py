@@ -52,6 +52,7 @@ class Progress:
         self._bar_of: dict[str, rich.progress.TaskID] = {}
         self._begun: dict[str, float] = {}
         self._done: dict[str, int] = {}
+        self._done_before: dict[str, int] = {}
         self._ended = 0
         self._cells = 0
         self._started = self._last_line = clock()
@@ -93,10 +94,16 @@ class Progress:
         if self._bars.disable and self._clock() - self._last_line >= SECONDS_BETWEEN_LINES:
             self._tell_how_far()
 
+    def goes_on(self, cell: Cell, steps: int) -> None:
+        """`cell` is gone on with from a step, by a checkpoint; told once."""
+        if self._done_before.get(cell.path) != steps:
+            self._done_before[cell.path] = steps
+            self.say(f"{cell.path}: goes on from step {steps:,} of {cell.steps:,}")
+
     def _tell_how_far(self) -> None:
         self._last_line = self._clock()
         done = sum(self._done.values())
-        speed = done / max(self._last_line - self._started, 1e-9)
+        speed = (done - sum(self._done_before.values())) / max(self._last_line - self._started, 1e-9)
         left = f", about {(self._steps - done) / speed:,.0f} s left" if speed else ""
         self.say(f"{self._description()}, {done / self._steps:.0%} of the steps, {speed:,.0f} steps/s{left}")
 

@@ -105,6 +105,8 @@ class _Running:
             self.silence.looks(time.monotonic())
             for cell, slot in self.running.values():
                 steps = self.pool.steps_done(slot)
+                if begun_at := self.pool.went_on_from(slot):
+                    self.progress.goes_on(cell, begun_at)
                 self.progress.update(cell, max(steps, 0))
                 if told := self.silence.heard(cell, steps):
                     self.progress.warn(f"{cell.path}: {told} (worker {slot + 1}, process {self.pool.process(slot)})")

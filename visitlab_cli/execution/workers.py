@@ -30,7 +30,9 @@ from visitlab_cli.sources import PACKAGE, sources
 from visitlab_cli.stopping import ending_signals
 
 STOP = 0
-"""Place of the stop flag in the shared memory; worker slot i has the places from 1 + 2 i: its steps, its process."""
+"""Place of the stop flag in the shared memory; worker slot i has three places from 1 + 3 i on, as `OF_SLOT` says."""
+OF_SLOT = _STEPS, _PROCESS, _FROM = range(3)
+"""What is told of a slot: steps done, the process, the step from which its cell was gone on with."""
 NOT_BEGUN = -1
 """The steps of a cell whose worker is still starting, importing or compiling."""
 GIVEN_UP_SECONDS = 5.0
@@ -63,14 +65,14 @@ class Workers:
         """Prepare `count` workers; they start with the first cell."""
         self.count = count
         self._context = multiprocessing.get_context("forkserver")
-        self._shared = self._context.RawArray(ctypes.c_int64, 1 + 2 * count)
+        self._shared = self._context.RawArray(ctypes.c_int64, 1 + len(OF_SLOT) * count)
         self._executor: Executor | None = None
         self._given_up: list[dict[str, Any]] = []  # kept, for a process that just starts looks for what they share
 
     def submit(self, run: Path, cell: Cell, slot: int) -> Future[None]:
         """Run a cell in a free `slot`."""
-        self._shared[_steps_of(slot)] = NOT_BEGUN
-        self._shared[_process_of(slot)] = 0
+        for what, at_first in zip(OF_SLOT, (NOT_BEGUN, 0, 0), strict=True):
+            self._shared[_place(slot, what)] = at_first
         if self._executor is None:
             self._executor = self._start()
         with _as_the_program() if self.count > 1 else nullcontext():  # the pool starts its processes as work comes
@@ -88,11 +90,15 @@ class Workers:
 
     def steps_done(self, slot: int) -> int:
         """Steps that the cell in `slot` has done so far; `NOT_BEGUN` while its worker is not ready."""
-        return int(self._shared[_steps_of(slot)])
+        return int(self._shared[_place(slot, _STEPS)])
+
+    def went_on_from(self, slot: int) -> int:
+        """The step from which the cell in `slot` was gone on with; 0 where it was begun."""
+        return int(self._shared[_place(slot, _FROM)])
 
     def process(self, slot: int) -> int:
         """The number of the process that runs the cell in `slot`; 0 while there is none."""
-        return int(self._shared[_process_of(slot)])
+        return int(self._shared[_place(slot, _PROCESS)])
 
     def stop(self) -> None:
         """Ask every cell to stop after its block."""
@@ -119,12 +125,8 @@ class Workers:
                 manager.join(GIVEN_UP_SECONDS)
 
 
-def _steps_of(slot: int) -> int:
-    return 1 + 2 * slot
-
-
-def _process_of(slot: int) -> int:
-    return 2 + 2 * slot
+def _place(slot: int, what: int) -> int:
+    return 1 + len(OF_SLOT) * slot + what
 
 
 def _start_servers() -> None:
@@ -203,15 +205,18 @@ def _run_in_slot(run: Path, cell: Cell, slot: int) -> None:
     from visitlab_cli.execution.cell_runner import run_cell
     from visitlab_cli.execution.warm_up import compile_here
 
-    _shared[_process_of(slot)] = os.getpid()
+    def goes_on(steps: int) -> None:
+        _shared[_place(slot, _FROM)] = _shared[_place(slot, _STEPS)] = steps
+
+    _shared[_place(slot, _PROCESS)] = os.getpid()
     compile_here(cell)
-    _shared[_steps_of(slot)] = 0
-    run_cell(run, cell, _report_to(slot))
+    _shared[_place(slot, _STEPS)] = 0
+    run_cell(run, cell, _report_to(slot), goes_on)
 
 
 def _report_to(slot: int) -> Callable[[int], None]:
     def report(steps: int) -> None:
-        _shared[_steps_of(slot)] = steps
+        _shared[_place(slot, _STEPS)] = steps
         if _shared[STOP]:
             raise Interrupted("stopped")
 

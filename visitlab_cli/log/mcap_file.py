@@ -12,6 +12,7 @@ import zlib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import BinaryIO, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -51,6 +52,29 @@ INDEX_HEAD = struct.Struct("<HI")
 INDEX_ENTRY = np.dtype([("log_time", "<u8"), ("offset", "<u8")])
 IndexEntries = npt.NDArray[np.void]
 """Log time and place in its chunk of each message, of `INDEX_ENTRY`."""
+_PART = 1 << 20
+_OF_CHUNK = (
+    "chunk_start_offset",
+    "chunk_length",
+    "compressed_size",
+    "uncompressed_size",
+    "message_start_time",
+    "message_end_time",
+    "message_index_length",
+)
+_ABSENT = -1
+
+
+class Position(NamedTuple):
+    """Where a file being written stands, `size` bytes with the CRC `crc`; what its summary will say of these.
+
+    `chunks` has a row for each, of `_OF_CHUNK`, then where each channel's index is; `counts` are messages by channel.
+    """
+
+    size: int
+    crc: int
+    chunks: npt.NDArray[np.int64]
+    counts: npt.NDArray[np.int64]
 
 
 class McapFile:
@@ -157,6 +181,43 @@ class McapFile:
     def flush(self) -> None:
         """Hand what is written to the operating system: a killed process leaves it readable."""
         self._file.flush()
+
+    def position(self) -> Position:
+        """Where it stands; that much is on the disk."""
+        self.flush()
+        os.fsync(self._file.fileno())
+        channels = sorted(self._channels)
+        rows = [
+            [getattr(chunk, name) for name in _OF_CHUNK]
+            + [chunk.message_index_offsets.get(channel, _ABSENT) for channel in channels]
+            for chunk in self._chunks
+        ]
+        chunks = np.array(rows, np.int64).reshape(-1, len(_OF_CHUNK) + len(channels))
+        return Position(self._position, self._crc, chunks, np.array([self._message_counts[each] for each in channels]))
+
+    def go_on(self, before: BinaryIO, at: Position) -> None:
+        """Append what another file holds up to a position, which began as this one and holds chunks since.
+
+        Raises:
+            ValueError: it does not hold that; nothing is appended.
+        """
+        begun, crc = self._position, self._crc
+        before.seek(begun)
+        while self._position < at.size and (part := before.read(min(_PART, at.size - self._position))):
+            self._write(part)
+        if (self._position, self._crc) != (at.size, at.crc):
+            self._file.seek(begun)
+            self._file.truncate()
+            self._position, self._crc = begun, crc
+            raise ValueError("cut, or damaged")
+        channels = sorted(self._channels)
+        for row in at.chunks.tolist():
+            told, indexes = row[: len(_OF_CHUNK)], zip(channels, row[len(_OF_CHUNK) :], strict=True)
+            offsets = {channel: offset for channel, offset in indexes if offset != _ABSENT}
+            chunk = dict(zip(_OF_CHUNK, told, strict=True))
+            self._chunks.append(ChunkIndex(compression=COMPRESSION, message_index_offsets=offsets, **chunk))
+        self._message_counts.update(zip(channels, at.counts.tolist(), strict=True))
+        self.position()
 
     def finish(self) -> None:
         """Append the summary, see that the file is on the disk, and close it."""

@@ -9,13 +9,14 @@ import contextlib
 from collections.abc import Iterator
 from pathlib import Path
 from types import TracebackType
-from typing import Self
+from typing import Any, BinaryIO, Self
 
 import numpy as np
+import numpy.typing as npt
 
 from visitlab_cli.errors import RunError
 from visitlab_cli.log.layout import STEP_CHANNEL, TRIAL_CHANNEL, VARINT_MAX, Records, layout_of
-from visitlab_cli.log.mcap_file import McapFile
+from visitlab_cli.log.mcap_file import McapFile, Position
 from visitlab_cli.log.schema import (
     CONFIG_NAME,
     FORMAT,
@@ -109,6 +110,34 @@ class StepRecorder:
                 np.copyto(into[name], values[done : done + count], casting="safe")
             self._filled += count
             done += count
+
+    def position(self) -> dict[str, npt.NDArray[Any]]:
+        """Where it stands, as arrays: of what is in the file, which is then on the disk, and of what is not yet.
+
+        Raises:
+            RunError: the file cannot be written.
+        """
+        with self._writing():
+            size, crc, chunks, counts = self._file.position()
+        numbers = np.array([size, crc, self._steps_written, self._trials_written], np.int64)
+        rows = self._chunk[: self._filled].view(np.uint8)
+        return {"numbers": numbers, "chunks": chunks, "counts": counts, "rows": rows, "open": np.array([self._open_reward])}
+
+    def go_on(self, before: BinaryIO, position: dict[str, npt.NDArray[Any]]) -> None:
+        """Go on, having written nothing yet, from where another recorder of the same cell stood, whose file is `before`.
+
+        Raises:
+            ValueError: that file does not hold what it held; nothing is changed.
+            RunError: this one's cannot be written.
+        """
+        size, crc, steps_written, trials_written = position["numbers"].tolist()
+        with self._writing():
+            self._file.go_on(before, Position(size, crc, position["chunks"], position["counts"]))
+        rows = position["rows"].view(self._chunk.dtype)
+        self._filled = len(rows)
+        self._chunk[: self._filled] = rows
+        self._steps_written, self._trials_written = steps_written, trials_written
+        self._open_reward = float(position["open"][0])
 
     def close(self) -> None:
         """Write what is left and the summary; the file is on the disk when this returns.

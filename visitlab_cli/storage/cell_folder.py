@@ -4,6 +4,9 @@ Files are written in a hidden folder beside the cells, flushed to the disk, and 
 In the place of a damaged cell its files are renamed one by one instead, `cell.json` last, for the user may keep
 files there. While it is written a file beside the hidden folder is locked (`locks.py`), so that what a killed process
 left can be told from what another one is still writing.
+
+A long cell keeps checkpoints in its hidden folder (`checkpoint_file.py`): one that was abandoned with some stays until
+its cell is done, for whoever does that next to go on from.
 """
 
 import contextlib
@@ -14,11 +17,13 @@ import re
 import shutil
 import stat
 import uuid
+from collections.abc import Iterator
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
-from visitlab_cli.errors import RunError
+from visitlab_cli.errors import Interrupted, RunError
+from visitlab_cli.storage.checkpoint_file import NAMES, UNFINISHED, stated_cell
 from visitlab_cli.storage.facts import (
     CELL,
     CELL_FORMAT,
@@ -44,12 +49,14 @@ __all__ = [
     "TIMING",
     "TRIALS",
     "NewCell",
+    "abandoned",
     "describe",
     "is_left_over",
     "lock_of",
     "one_line",
     "read_cell",
     "reason",
+    "remove_hidden",
     "remove_leftovers",
     "sync",
     "to_json",
@@ -61,6 +68,8 @@ DAMAGED = ".damaged"
 """How the name of a file ends that was set aside."""
 OF_CELLS = frozenset(name + ending for name in (STEPS, TRIALS, MODEL, CELL, TIMING) for ending in ("", DAMAGED))
 """The files of a cell."""
+OF_HIDDEN = OF_CELLS | {*NAMES, UNFINISHED}
+"""The files of a cell that is being written."""
 
 
 _FOLDER = re.compile(rf"{re.escape(TEMPORARY)}.+-[0-9a-f]{{8}}")
@@ -72,7 +81,7 @@ _FILE = re.compile(
 def is_temporary(path: Path) -> bool:
     """Whether a path is one that visitlab writes to before it is whole; whatever else is called so is the user's.
 
-    Such a folder has files of a cell, and nothing else; a link is none, whatever it is called.
+    Such a folder has files of a cell that is being written, and nothing else; a link is none, whatever it is called.
 
     Raises:
         UnreadableError: it can't be looked into.
@@ -84,7 +93,7 @@ def is_temporary(path: Path) -> bool:
         if not stat.S_ISDIR(mode) or not _FOLDER.fullmatch(path.name):
             return False
         with os.scandir(path) as entries:
-            return all(entry.name in OF_CELLS and entry.is_file(follow_symlinks=False) for entry in entries)
+            return all(entry.name in OF_HIDDEN and entry.is_file(follow_symlinks=False) for entry in entries)
     except OSError as error:
         check_damage(path, error)
         return False  # it is gone
@@ -139,7 +148,7 @@ class NewCell:
     def __init__(self, run: Path, path: str) -> None:
         """Begin the cell `path` (relative to the folder `run`)."""
         self.place = run / path
-        self.folder = run / f"{TEMPORARY}{path.replace('/', '-')[:100]}-{uuid.uuid4().hex[:8]}"
+        self.folder = run / f"{_hidden_name(path)}-{uuid.uuid4().hex[:8]}"
         self._run, self._path = run, path
 
     def __enter__(self) -> Self:
@@ -166,19 +175,25 @@ class NewCell:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Remove what was not committed; a full disk becomes one clear line."""
-        shutil.rmtree(self.folder, ignore_errors=True)
-        self._held.release(remove=True)
+        """Remove what was not committed and can't be gone on with; a full disk becomes one clear line."""
+        ended = isinstance(error, Interrupted | OSError) or (error and isinstance(error.__cause__, OSError))
+        if ended and any((self.folder / name).exists() for name in NAMES):
+            self._held.leave()
+        else:
+            shutil.rmtree(self.folder, ignore_errors=True)
+            self._held.release(remove=True)
         if isinstance(error, OSError):
             raise RunError(f"{self.place}: can't be written: {one_line(error)}") from error
 
     def commit(self, facts: dict[str, Any], timing: dict[str, Any]) -> None:
         """Write `timing.json` and, last, `cell.json` with `facts` and the files' hashes; then rename."""
-        files = {file.name: describe(file) for file in sorted(self.folder.iterdir())}
+        files = {file.name: describe(file) for file in sorted(self.folder.iterdir()) if file.name in OF_CELLS}
         for name in files:
             sync(self.folder / name)
         write_durably(self.folder / TIMING, to_json(timing))
         write_durably(self.folder / CELL, to_json({"format": CELL_FORMAT, **facts, "files": files}))
+        for name in OF_HIDDEN - OF_CELLS:
+            (self.folder / name).unlink(missing_ok=True)
         sync(self.folder)
         check_inside(self._run, self.place)
         self.place.parent.mkdir(parents=True, exist_ok=True)
@@ -247,13 +262,44 @@ def _has_begun(file: Path) -> bool:
     return file.with_name(file.name.removesuffix(LOCK)).exists()
 
 
+def _hidden_name(path: str) -> str:
+    """How the names of a cell's hidden folders begin."""
+    return TEMPORARY + path.replace("/", "-")[:100]
+
+
+def abandoned(run: Path, path: str) -> Iterator[Path]:
+    """The hidden folders in which somebody who is surely gone wrote a cell, and left checkpoints."""
+    for folder in temporaries(run):
+        mine = folder.is_dir() and folder.name.rpartition("-")[0] == _hidden_name(path)
+        if mine and stated_cell(folder) == path and is_left_over(folder):
+            yield folder
+
+
 def remove_leftovers(run: Path) -> None:
-    """Remove what processes left that are surely gone, folders before their locks; what is being written stays."""
+    """Remove what processes left that are surely gone; what is being written stays, or what a cell can go on from."""
     found = [path for path in temporaries(run) if path.is_dir() or path.name.endswith(LOCK)]
     for path in sorted(found, key=lambda path: path.name.endswith(LOCK)):
         if path.is_file():
-            is_abandoned(path, begun=_has_begun(path), remove=True)
-        elif is_left_over(path):
-            shutil.rmtree(path, ignore_errors=True)
-            with contextlib.suppress(OSError):
-                lock_of(path).unlink()
+            if not _has_begun(path):
+                is_abandoned(path, begun=False, remove=True)
+        elif is_left_over(path) and not _is_to_go_on(run, path):
+            remove_hidden(path)
+
+
+def remove_hidden(folder: Path) -> None:
+    """Remove a hidden folder, then its lock file."""
+    shutil.rmtree(folder, ignore_errors=True)
+    with contextlib.suppress(OSError):
+        lock_of(folder).unlink()
+
+
+def _is_to_go_on(run: Path, folder: Path) -> bool:
+    """Whether a hidden folder has checkpoints of a cell that is not done."""
+    path = stated_cell(folder)
+    if path is None or folder.name.rpartition("-")[0] != _hidden_name(path):
+        return False
+    try:
+        check_inside(run, run / path)
+        return read_cell(run / path) is None
+    except RunError:
+        return True  # nobody can tell

@@ -31,6 +31,8 @@ LONGEST = 4096
 HELD = {errno.EWOULDBLOCK, errno.EAGAIN}
 READ_ONLY = {errno.EROFS, errno.EACCES, errno.EPERM}
 TRIES = 100
+ENDED = "ended"
+"""What an owner says that left something to go on from, though its process may live."""
 
 
 class HeldError(Exception):
@@ -69,6 +71,12 @@ class Lock(NamedTuple):
             with contextlib.suppress(OSError):
                 if _is_still(self.file, self.descriptor):
                     self.file.unlink()
+        os.close(self.descriptor)
+
+    def leave(self) -> None:
+        """Let go, and say so: who wants goes on from what is left."""
+        with contextlib.suppress(OSError):
+            self.state(**{ENDED: True})
         os.close(self.descriptor)
 
 
@@ -183,6 +191,8 @@ def is_gone(owner: dict[str, Any], *, told: bool) -> bool | None:
             makes another file.
     """
     if not owner and not told:
+        return True
+    if owner.get(ENDED) is True:
         return True
     if owner.get("machine") == _machine():
         return not lives(owner)
