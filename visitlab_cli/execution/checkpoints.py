@@ -117,11 +117,12 @@ class Checkpoints:
         if self._memory is None or begun < self._due:
             return
         self._write(self._memory, standing)
+        self._latest = None
         ended = time.monotonic()
         self._due = ended + max(EVERY, (ended - begun) / SHARE)
 
     def interrupted(self) -> None:
-        """Write a last one, of a cell that is long enough to have some."""
+        """Write a last one, of a cell that is long enough to have some, and has played on since."""
         if self._memory is not None and self._latest is not None and self._written:
             with contextlib.suppress(RunError):
                 self._write(self._memory, self._latest)
