@@ -64,8 +64,8 @@ experiments:
   PHASED_VISITS
 """.replace(
     "AGENTS",
-    "q_learning, mirrored, model_based, exploring, rmax, watching, scripted, random, windowed, forgetting, coordinated, "
-    "prioritized_sweeping, dyna, multi_model",
+    "q_learning, mirrored, model_based, exploring, rmax, watching, scripted, random, windowed, forgetting, "
+    "coordinated, prioritized_sweeping, dyna, multi_model",
 )
 VISIT = """
   visit_NAME:
@@ -80,7 +80,10 @@ VISITS = {
     "by_queue": ("social/prioritized_sweeping/phases", "controller: [plan]"),
     "by_window": ("social/windowed/phases", ""),
     "by_several": ("social_of_one/multi_model/fast", ""),
-    "leading": ("social/scripted/phases", "controller: lead\n    learns: [social, navigation]\n    navigation_model: own"),
+    "leading": (
+        "social/scripted/phases",
+        "controller: lead\n    learns: [social, navigation]\n    navigation_model: own",
+    ),
     "hidden": (
         "hidden/q_learning/phases",
         "observe: geometry\n    belief: {parameters: em}\n    controller: lead\n    learns: [social, navigation]",

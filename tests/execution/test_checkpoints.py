@@ -1,4 +1,4 @@
-"""A long cell that was stopped is gone on with from its checkpoint, to the bytes of an undisturbed one, or begun anew."""
+"""A long cell that was stopped goes on from its checkpoint, to the bytes of an undisturbed one, or begins anew."""
 
 import json
 import os

@@ -27,7 +27,8 @@ from visitlab_cli.sources import sources
 from visitlab_cli.storage.cell_folder import SOURCES, STEPS, NewCell, abandoned, remove_hidden, sync
 from visitlab_cli.storage.checkpoint_file import NAMES, UNFINISHED, Checkpoint, decoded, encoded, stated, write
 from visitlab_cli.storage.key import own_key
-from visitlab_cli.storage.reading import open_file, read_bytes
+from visitlab_cli.storage.reading import UnreadableError, open_file, read_bytes
+from visitlab_cli.world.scene import Scene
 
 EVERY = 60.0
 """Seconds between two."""
@@ -191,15 +192,16 @@ def _found(run: Path, cell: Cell) -> Iterator[tuple[Path, bytes, Checkpoint]]:
             if ours.items() <= said.items() and isinstance(said.get("steps"), int):
                 found.append((said["steps"], folder / name))
     key = own_key() if found else None
-    for _, file in sorted(found, reverse=True) if key else []:
-        with contextlib.suppress(OSError, ValueError, RunError):
+    for _, file in sorted(found, reverse=True):
+        with contextlib.suppress(OSError, ValueError, UnreadableError):
             content = read_bytes(file)
-            yield file.parent, content, decoded(content, key)
+            if key is not None and ours.items() <= (checkpoint := decoded(content, key)).facts.items():
+                yield file.parent, content, checkpoint
 
 
 def _plain(value: Any) -> Any:
     """What is whole numbers, truths and fractions, of whatever library, as JSON has it."""
-    if isinstance(value, tuple):
+    if isinstance(value, Scene):
         return _plain(value._asdict())
     if isinstance(value, dict):
         return {name: _plain(each) for name, each in value.items()}

@@ -119,12 +119,16 @@ class StepRecorder:
         """
         with self._writing():
             size, crc, chunks, counts = self._file.position()
-        numbers = np.array([size, crc, self._steps_written, self._trials_written], np.int64)
-        rows = self._chunk[: self._filled].view(np.uint8)
-        return {"numbers": numbers, "chunks": chunks, "counts": counts, "rows": rows, "open": np.array([self._open_reward])}
+        return {
+            "numbers": np.array([size, crc, self._steps_written, self._trials_written], np.int64),
+            "chunks": chunks,
+            "counts": counts,
+            "rows": self._chunk[: self._filled].view(np.uint8),
+            "open": np.array([self._open_reward]),
+        }
 
     def go_on(self, before: BinaryIO, position: dict[str, npt.NDArray[Any]]) -> None:
-        """Go on, having written nothing yet, from where another recorder of the same cell stood, whose file is `before`.
+        """Go on from where another recorder of the same cell stood, whose file is `before`; this one wrote no step yet.
 
         Raises:
             ValueError: that file does not hold what it held; nothing is changed.
