@@ -4,12 +4,14 @@ import os
 import shutil
 import signal
 import subprocess
+import sys
 import time
 from pathlib import Path
 
 from tests.faults.bench import members_of, workers_of
 from tests.faults.fault import Try, fault
 from tests.program import the_run
+from visitlab_cli.storage.checkpoint_file import NAMES
 
 ENDING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 PATIENCE = 20.0
@@ -47,6 +49,32 @@ def killed(this: Try) -> None:
     no_orphans(this, program.pid)
     if moment:
         this.resumed(out)
+
+
+OFTEN = """
+from visitlab_cli.execution import checkpoints
+checkpoints.EVERY, checkpoints.SHARE = 0.03, float("inf")
+from visitlab_cli.__main__ import main
+main()
+"""
+"""The program with checkpoints so often that each cell has some."""
+
+
+@fault("killed-often", "kill -9 at four random moments: cells go on from checkpoints, to the same bytes", 20, 1)
+def killed_often(this: Try) -> None:
+    out = this.folder / "runs"
+    arguments = "run", this.bench.config, "--out", out, "--workers", 1
+    for _ in range(4):
+        program = subprocess.Popen([sys.executable, "-P", "-c", OFTEN, *map(str, arguments), "-q"], cwd=this.folder)
+        time.sleep(this.random.uniform(0.3, 0.6) * this.bench.seconds)
+        program.kill()
+        program.wait()
+    kept, left = this.finished(out), [path for path in out.glob(f"*/.tmp-*/{NAMES[0]}")]
+    this.count = int(bool(left))
+    done = this.visitlab(*arguments)
+    if this.told(done, 0):
+        this.wrong += ["nothing went on from a checkpoint"] * (bool(left) and "goes on from step" not in done.stderr)
+        this.whole(out, kept)
 
 
 @fault("killed-worker", "kill -9 of one worker at a random moment: its cell is done again", 16, 1, ["linux"])

@@ -31,7 +31,7 @@ LONGEST = 4096
 HELD = {errno.EWOULDBLOCK, errno.EAGAIN}
 READ_ONLY = {errno.EROFS, errno.EACCES, errno.EPERM}
 TRIES = 100
-ENDED = "ended"
+LEFT = "left"
 """What an owner says that left something to go on from, though its process may live."""
 
 
@@ -76,7 +76,7 @@ class Lock(NamedTuple):
     def leave(self) -> None:
         """Let go, and say so: who wants goes on from what is left."""
         with contextlib.suppress(OSError):
-            self.state(**{ENDED: True})
+            self.state(**{LEFT: True})
         os.close(self.descriptor)
 
 
@@ -192,7 +192,7 @@ def is_gone(owner: dict[str, Any], *, told: bool) -> bool | None:
     """
     if not owner and not told:
         return True
-    if owner.get(ENDED) is True:
+    if owner.get(LEFT) is True:
         return True
     if owner.get("machine") == _machine():
         return not lives(owner)
