@@ -291,7 +291,7 @@ main()
 LONG = """
 name: killed
 agents: {mb: {kind: model_based, plan_every: 400}}
-experiments: {navigation: {task: navigation, agents: [mb], steps: 2000000}}
+experiments: {navigation: {task: navigation, agents: [mb], steps: 600000}}
 """
 
 

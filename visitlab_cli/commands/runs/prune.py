@@ -24,7 +24,10 @@ def command(
     out: Out = RUNS,
     as_json: Json = False,
 ) -> None:
-    """Remove what killed processes left in a run, and damaged cells; what is whole or being written stays."""
+    """Remove what killed processes left in a run, checkpoints of long cells included, and damaged cells.
+
+    What is whole or being written stays.
+    """
     from visitlab_cli.storage.removal import prune
     from visitlab_cli.storage.run_folder import find_run
 
