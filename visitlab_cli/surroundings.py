@@ -54,9 +54,7 @@ def shut_out() -> None:
     Raises:
         UsageError: a variable that is heeded has no meaning, or numba would find settings in the current folder.
     """
-    for name, value in list(os.environ.items()):
-        if name.startswith(IGNORED) and (name not in KEPT or not value):
-            del os.environ[name]
+    shut_out_variables()
     for name, form in ONLY_IF.items():
         if name in os.environ and not re.fullmatch(form, os.environ[name]):
             del os.environ[name]
@@ -78,6 +76,13 @@ def shut_out() -> None:
     sys.warnoptions.clear()  # which workers would inherit
     warnings.simplefilter("ignore")  # what concerns the user we say ourselves
     logging.disable(logging.CRITICAL)
+
+
+def shut_out_variables() -> None:
+    """That part of it which decides how the libraries below us work, for a process that is not ours alone."""
+    for name, value in list(os.environ.items()):
+        if name.startswith(IGNORED) and (name not in KEPT or not value):
+            del os.environ[name]
 
 
 def _speaks() -> bool:

@@ -8,7 +8,22 @@ import typer
 
 from visitlab_cli.console import completion
 from visitlab_cli.console.help import Help
-from visitlab_cli.console.options import RUNS, DryRun, Json, NoColor, Out, Plugins, Quiet, Run, Shard, Verbose, Workers
+from visitlab_cli.console.options import (
+    RUNS,
+    Address,
+    DryRun,
+    Executor,
+    Json,
+    NoColor,
+    Out,
+    Plugins,
+    Quiet,
+    Run,
+    SchedulerFile,
+    Shard,
+    Verbose,
+    Workers,
+)
 
 if TYPE_CHECKING:
     from visitlab_cli.config.model import Config
@@ -47,6 +62,9 @@ def command(
     out: Out = RUNS,
     workers: Workers = 0,
     shard: Shard = "",
+    executor: Executor = "local",
+    address: Address = "",
+    scheduler_file: SchedulerFile = None,
     dry_run: DryRun = False,
     as_json: Json = False,
     quiet: Quiet = False,
@@ -55,13 +73,14 @@ def command(
 ) -> None:
     """Assemble the global task from a run's trained modules and play it."""
     from visitlab_cli.console.matrix import check_options, planned_cells, play_matrix
-    from visitlab_cli.console.running import How, run_and_tell
+    from visitlab_cli.console.running import How, dask_at, run_and_tell
     from visitlab_cli.errors import UsageError
     from visitlab_cli.plan.cells import plan
     from visitlab_cli.plan.evaluation import Evaluation
     from visitlab_cli.storage.run_folder import find_run, read_config
     from visitlab_cli.wording import or_else, printable
 
+    at = dask_at(executor, address, scheduler_file, workers)
     check_options(matrix=matrix, frozen=frozen, picture=picture)
     folder = find_run(run, out)
     config = read_config(folder)
@@ -81,7 +100,7 @@ def command(
         for name in [experiment] if experiment else visits:
             if config.experiments[name].phases:
                 raise UsageError(f"--trials: {name} has phases, which say their trials; say --human, too")
-    how = How(workers, dry_run, as_json, quiet, verbose, shard)
+    how = How(workers, dry_run, as_json, quiet, verbose, shard, at)
     if matrix:
         planned = planned_cells(folder, config, experiment or visits[0], human or (), trials)
         _check_trained(folder, config, [cell for cells in planned.values() for cell in cells])

@@ -3,14 +3,17 @@
 from visitlab_cli.console.help import Help
 from visitlab_cli.console.options import (
     RUNS,
+    Address,
     Config,
     DryRun,
+    Executor,
     Json,
     NoColor,
     Out,
     Overrides,
     Plugins,
     Quiet,
+    SchedulerFile,
     Shard,
     Verbose,
     Workers,
@@ -33,6 +36,9 @@ def command(
     out: Out = RUNS,
     workers: Workers = 0,
     shard: Shard = "",
+    executor: Executor = "local",
+    address: Address = "",
+    scheduler_file: SchedulerFile = None,
     dry_run: DryRun = False,
     as_json: Json = False,
     quiet: Quiet = False,
@@ -41,8 +47,9 @@ def command(
 ) -> None:
     """Run everything that a config declares: trainings, then visits. What is done already is kept."""
     from visitlab_cli.config.loading import load
-    from visitlab_cli.console.running import How, run_config
+    from visitlab_cli.console.running import How, dask_at, run_config
     from visitlab_cli.plan.cells import plan
 
+    at = dask_at(executor, address, scheduler_file, workers)
     loaded = load(config, overrides or [])
-    run_config(out, loaded, plan, How(workers, dry_run, as_json, quiet, verbose, shard))
+    run_config(out, loaded, plan, How(workers, dry_run, as_json, quiet, verbose, shard, at))

@@ -5,14 +5,17 @@ from typing import TYPE_CHECKING
 from visitlab_cli.console.help import Help
 from visitlab_cli.console.options import (
     RUNS,
+    Address,
     Config,
     DryRun,
+    Executor,
     Json,
     NoColor,
     Out,
     Overrides,
     Plugins,
     Quiet,
+    SchedulerFile,
     Shard,
     Verbose,
     Workers,
@@ -40,6 +43,9 @@ def command(
     out: Out = RUNS,
     workers: Workers = 0,
     shard: Shard = "",
+    executor: Executor = "local",
+    address: Address = "",
+    scheduler_file: SchedulerFile = None,
     dry_run: DryRun = False,
     as_json: Json = False,
     quiet: Quiet = False,
@@ -48,10 +54,11 @@ def command(
 ) -> None:
     """Train the modules that a config declares. `visitlab eval RUN` then plays the visits."""
     from visitlab_cli.config.loading import load
-    from visitlab_cli.console.running import How, run_config
+    from visitlab_cli.console.running import How, dask_at, run_config
 
+    at = dask_at(executor, address, scheduler_file, workers)
     loaded = load(config, overrides or [])
-    run_config(out, loaded, _trainings, How(workers, dry_run, as_json, quiet, verbose, shard))
+    run_config(out, loaded, _trainings, How(workers, dry_run, as_json, quiet, verbose, shard, at))
 
 
 def _trainings(config: "AnyConfig") -> "list[Cell]":

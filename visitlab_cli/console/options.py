@@ -3,7 +3,7 @@
 import os
 import re
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
@@ -116,6 +116,21 @@ Shard = Annotated[
         help="The I-th of N parts alone, for N runners, such as jobs of a cluster.",
         callback=_check_shard,
     ),
+]
+Executor = Annotated[
+    Literal["local", "dask"],
+    typer.Option(help="Where cells run: in processes of this machine, or in the workers of a Dask cluster."),
+]
+Address = Annotated[
+    str,
+    typer.Option(
+        metavar="tcp://HOST:PORT",
+        help="With --executor dask: its scheduler; with none a cluster of --workers on this machine, ended at the end.",
+        show_default=False,
+    ),
+]
+SchedulerFile = Annotated[
+    Path | None, typer.Option(metavar="FILE", help="With --executor dask: the file in which its scheduler says that.")
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print the result as JSON.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Tell nothing but failures and the result.")]

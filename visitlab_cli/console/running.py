@@ -13,6 +13,8 @@ from visitlab_cli.terminal import plain, tell, tell_json, tell_text
 
 if TYPE_CHECKING:
     from visitlab_cli.config.model import Config
+    from visitlab_cli.execution.dask_cluster import At
+    from visitlab_cli.execution.executor import OpenPool
     from visitlab_cli.execution.progress import Progress
     from visitlab_cli.execution.runner import Failures
     from visitlab_cli.plan.cells import Cell
@@ -20,10 +22,14 @@ if TYPE_CHECKING:
 
 
 WHICH = "module or visit"
+NO_DASK = '--executor dask needs Dask: pip install "visitlab[cluster]"'
 
 
 class How(NamedTuple):
-    """The options that `run`, `train` and `eval` share; `workers` 0: as many as there are cores; `shard` '': all."""
+    """The options that `run`, `train` and `eval` share.
+
+    `workers` 0: as many as there are cores; `shard` '': all; `at` None: processes of this machine.
+    """
 
     workers: int
     dry_run: bool
@@ -31,6 +37,31 @@ class How(NamedTuple):
     quiet: bool
     verbose: bool
     shard: str = ""
+    at: "At | None" = None
+
+
+def dask_at(executor: str, address: str, scheduler_file: Path | None, workers: int) -> "At | None":
+    """Where the Dask cluster is that was asked for; None for processes of this machine.
+
+    Raises:
+        UsageError: these options mean nothing together, or there is no Dask.
+    """
+    given = [*(["--address"] if address else []), *(["--scheduler-file"] if scheduler_file else [])]
+    if executor == "local":
+        if given:
+            raise UsageError(f"{given[0]}: add --executor dask")
+        return None
+    if len(given) > 1:
+        raise UsageError("--address and --scheduler-file: choose one")
+    if given and workers:
+        raise UsageError(f"--workers: the cluster of {given[0]} has workers of its own; leave it out")
+    try:
+        from visitlab_cli.execution.dask_cluster import At
+    except ImportError as error:
+        raise UsageError(NO_DASK) from error
+    at = At(address, scheduler_file)
+    at.resolved()
+    return at
 
 
 def run_config(out: Path, config: "Config", cells_of: "Callable[[Config], list[Cell]]", how: How) -> None:
@@ -123,11 +154,18 @@ def run_missing(run: Path, cells: "Sequence[Cell]", how: How) -> "Failures | Non
     from visitlab_cli.storage.locks import being_written
 
     with being_written(run):
-        return run_cells_of(run, cells, workers, Progress(how.quiet, how.verbose))
+        return run_cells_of(run, cells, workers, Progress(how.quiet, how.verbose), how.at)
 
 
-def run_cells_of(run: Path, cells: "Sequence[Cell]", workers: int, progress: "Progress") -> "Failures":
-    """Run the missing ones of some cells of a run, which is held; `progress` is told what a user should know."""
+def run_cells_of(
+    run: Path, cells: "Sequence[Cell]", workers: int, progress: "Progress", at: "At | None" = None
+) -> "Failures":
+    """Run the missing ones of some cells of a run, which is held; `progress` is told what a user should know.
+
+    Raises:
+        RunError: nothing can be written, or the workers of a Dask cluster can't be used.
+        NotFoundError: there is no such scheduler file.
+    """
     from visitlab_cli.console.dry_run import duration
     from visitlab_cli.console.words import size_in_words
     from visitlab_cli.execution.runner import missing_cells, run_cells
@@ -148,17 +186,38 @@ def run_cells_of(run: Path, cells: "Sequence[Cell]", workers: int, progress: "Pr
     some_absent = any(cell.absent for cell in cells)  # then nobody knows what their code would be
     if not some_absent and (told := continued(made_by(run, needed), ours, bool(missing))):
         progress.warn(f"{run}: {told}")
-    if missing:
-        cost = estimate(missing, workers)
-        there = f"about {duration(cost.seconds)} and {size_in_words(cost.bytes)} on the disk"
-        progress.say(f"{run}: {len(missing)} of {len(cells)} cells to do, {there}")
-        if cost.bytes > (free := shutil.disk_usage(run).free):
-            progress.say(f"the disk has only {size_in_words(free)} left; record.steps=none writes no logs")
-        warm_up([cell for cell in missing if not cell.absent], progress.say)
-    failures = run_cells(run, cells, workers, progress)
+    with _opened(at, workers, run, missing, progress.warn) as (workers, open_pool):
+        if missing:
+            cost = estimate(missing, workers)
+            there = f"about {duration(cost.seconds)} and {size_in_words(cost.bytes)} on the disk"
+            progress.say(f"{run}: {len(missing)} of {len(cells)} cells to do, {there}")
+            if cost.bytes > (free := shutil.disk_usage(run).free):
+                progress.say(f"the disk has only {size_in_words(free)} left; record.steps=none writes no logs")
+            warm_up([cell for cell in missing if not cell.absent], progress.say)
+        failures = run_cells(run, cells, workers, progress, open_pool)
     if missing:
         progress.say(f"{run}: {size_in_words(bytes_below(run))} on the disk")
     return failures
+
+
+@contextmanager
+def _opened(
+    at: "At | None", workers: int, run: Path, missing: "Sequence[Cell]", warn: Callable[[str], None]
+) -> "Iterator[tuple[int, OpenPool]]":
+    """How many workers there are, and what opens a pool of them: of a cluster they are looked at before."""
+    from visitlab_cli.execution.workers import Workers
+
+    if at is None or not missing:
+        yield workers, Workers
+        return
+    from visitlab_cli.execution.dask_cluster import DaskPool
+
+    kinds = {kind for cell in missing for kind in cell.config.kinds if not getattr(kind, "absent", "")}
+    pool = DaskPool(at, min(workers, len(missing)), run, kinds, warn)
+    try:
+        yield pool.workers, lambda count: pool
+    finally:
+        pool.close()
 
 
 def raise_first(failures: "Failures") -> None:

@@ -14,10 +14,11 @@ from pathlib import Path
 from typing import Any
 
 from visitlab_cli.errors import Interrupted, VisitlabError
+from visitlab_cli.execution.executor import DEATHS_GIVEN_UP, DIED, WAITING, EndOfRunError, Executor, OpenPool
 from visitlab_cli.execution.order import Order
 from visitlab_cli.execution.progress import Progress
 from visitlab_cli.execution.silence import Silence
-from visitlab_cli.execution.workers import OtherCodeError, Workers
+from visitlab_cli.execution.workers import Workers
 from visitlab_cli.plan.cells import Cell
 from visitlab_cli.plan.evaluation import record_evaluation
 from visitlab_cli.stopping import check_asked, ending_signals
@@ -29,7 +30,6 @@ from visitlab_cli.storage.reading import UnreadableError
 POLL_SECONDS = 0.1
 LOOK_SECONDS, LOOK_SHARE = 1.0, 0.1
 """How often the cells of other runners are looked at, and which part of the time that takes at most."""
-DEATHS_GIVEN_UP = 3
 
 Failures = dict[str, str]
 """What went wrong, one line each, by the cell's path."""
@@ -40,11 +40,13 @@ def missing_cells(run: Path, cells: Sequence[Cell]) -> list[Cell]:
     return [cell for cell in cells if read_cell(run / cell.path) is None]
 
 
-def run_cells(run: Path, cells: Sequence[Cell], workers: int, progress: Progress) -> Failures:
+def run_cells(
+    run: Path, cells: Sequence[Cell], workers: int, progress: Progress, open_pool: OpenPool = Workers
+) -> Failures:
     """Run the missing ones of `cells` in the run folder `run`; a cell that fails fails alone.
 
     Raises:
-        RunError: a worker has imported other code than this process.
+        RunError: a worker has imported other code than this process, or the cluster is gone.
         Interrupted: by Ctrl-C, SIGTERM or SIGHUP; what was finished is kept.
     """
     check_all_inside(run, [cell.path for cell in cells])
@@ -55,7 +57,7 @@ def run_cells(run: Path, cells: Sequence[Cell], workers: int, progress: Progress
     if not missing:
         return {}
     check_asked()
-    pool = Workers(min(workers, len(missing)))
+    pool = open_pool(min(workers, len(missing)))
     claims = Claims(run)
     with _signals(pool) as stopped, progress.over(missing):
         try:
@@ -71,7 +73,7 @@ class _Running:
         self,
         run: Path,
         cells: Sequence[Cell],
-        pool: Workers,
+        pool: Executor,
         progress: Progress,
         claims: Claims,
         stopped: Callable[[], bool],
@@ -83,18 +85,20 @@ class _Running:
         self.next_look = 0.0
         self.suspects: list[Cell] = []  # were running when a worker died: one of them may have killed it
         self.running: dict[Future[None], tuple[Cell, int]] = {}
-        self.free_slots = list(range(pool.count))
+        self.slots = pool.count
+        self.free_slots = list(range(self.slots))
         self.deaths: Counter[str] = Counter()
         self.failures: Failures = {}
         self.silence = Silence()
-        self.other_code: OtherCodeError | None = None
+        self.ended: EndOfRunError | None = None
 
     def finish(self) -> Failures:
         while self.order or self.suspects or self.running or self.elsewhere:
-            if self.stopped() or self.other_code is not None:
+            if self.stopped() or self.ended is not None:
                 self.pool.stop()
                 self.order.clear()
                 self.suspects, self.elsewhere = [], {}
+            self._take_new_slots()
             for cell in self._startable():
                 if not self._start(cell):
                     break
@@ -107,15 +111,21 @@ class _Running:
                 steps = self.pool.steps_done(slot)
                 if begun_at := self.pool.went_on_from(slot):
                     self.progress.goes_on(cell, begun_at)
-                self.progress.update(cell, max(steps, 0))
+                if steps != WAITING:
+                    self.progress.update(cell, max(steps, 0))
                 if told := self.silence.heard(cell, steps):
-                    self.progress.warn(f"{cell.path}: {told} (worker {slot + 1}, process {self.pool.process(slot)})")
+                    self.progress.warn(f"{cell.path}: {told} ({self.pool.place(slot)})")
             self._collect(done)
-        if self.other_code is not None:
-            raise self.other_code
+        if self.ended is not None:
+            raise self.ended
         if self.stopped():
             raise Interrupted("interrupted; what was finished is kept, and the same command goes on from there")
         return self.failures
+
+    def _take_new_slots(self) -> None:
+        """Those of workers that joined."""
+        self.free_slots += range(self.slots, self.pool.count)
+        self.slots = max(self.slots, self.pool.count)
 
     def _start(self, cell: Cell) -> bool:
         """Start a cell in a free slot; False where the pool is found broken, of which the running ones will tell."""
@@ -198,8 +208,8 @@ class _Running:
             if error is None:
                 self.order.done(cell.path)
                 self.progress.finished(cell, read_cell(self.run / cell.path))
-            elif isinstance(error, OtherCodeError):
-                self.other_code = error
+            elif isinstance(error, EndOfRunError):
+                self.ended = error
             elif isinstance(error, BrokenExecutor):
                 broken.append(cell)
             elif not isinstance(error, Interrupted):
@@ -216,7 +226,7 @@ class _Running:
             self.claims.release(cell.path)
             self.deaths[cell.path] += 1
             if self.deaths[cell.path] >= DEATHS_GIVEN_UP:
-                self._fail(cell, f"its worker process died {DEATHS_GIVEN_UP} times (out of memory?)")
+                self._fail(cell, DIED)
             else:
                 self.suspects.append(cell)
 
@@ -239,7 +249,7 @@ def _in_one_line(error: BaseException) -> str:
 
 
 @contextmanager
-def _signals(pool: Workers) -> Iterator[Callable[[], bool]]:
+def _signals(pool: Executor) -> Iterator[Callable[[], bool]]:
     """Asked to end once: stop after the block; twice: at once."""
     count = 0
 

@@ -2,6 +2,7 @@
 
 from typing import NamedTuple
 
+from visitlab_cli.execution.executor import WAITING
 from visitlab_cli.plan.cells import Cell
 from visitlab_cli.simulation.loop import BLOCK_ROWS
 
@@ -42,9 +43,12 @@ class Silence:
         self._heard[cell.path] = _Heard(None, self._watched)
 
     def heard(self, cell: Cell, steps: int) -> str | None:
-        """`cell` has done `steps` steps, a negative number while it has not begun: what to tell of it, if anything."""
+        """`cell` has done `steps` steps, a negative number while it has not begun: what to tell of it, if anything.
+
+        One that waits for a worker is not silent.
+        """
         last, now = self._heard[cell.path], self._watched
-        if last.steps != steps:
+        if last.steps != steps or steps == WAITING:
             between_blocks = last.steps is not None and last.steps >= 0
             longest = max(last.longest, now - last.at) if between_blocks else last.longest
             self._heard[cell.path] = _Heard(steps, now, longest)

@@ -23,7 +23,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, NamedTuple
 
-from visitlab_cli.errors import Interrupted, RunError, UsageError
+from visitlab_cli.errors import Interrupted, UsageError
+from visitlab_cli.execution.executor import NOT_BEGUN, EndOfRunError
 from visitlab_cli.execution.tracker import survive
 from visitlab_cli.plan.cells import Cell
 from visitlab_cli.sources import PACKAGE, sources
@@ -33,8 +34,6 @@ STOP = 0
 """Place of the stop flag in the shared memory; worker slot i has three places from 1 + 3 i on, as `OF_SLOT` says."""
 OF_SLOT = _STEPS, _PROCESS, _FROM = range(3)
 """What is told of a slot: steps done, the process, the step from which its cell was gone on with."""
-NOT_BEGUN = -1
-"""The steps of a cell whose worker is still starting, importing or compiling."""
 GIVEN_UP_SECONDS = 5.0
 """How long `close` waits for a pool that was given up: its manager ends when its last worker does."""
 SAFE_PATH, MAIN = "PYTHONSAFEPATH", "__main__"
@@ -54,7 +53,7 @@ def code(kinds: Iterable[type] = ()) -> Code:
     return Code(str(PACKAGE), sources(kinds))
 
 
-class OtherCodeError(RunError):
+class OtherCodeError(EndOfRunError):
     """A worker has imported another package than the program: nothing that it made would be the program's."""
 
 
@@ -75,7 +74,7 @@ class Workers:
             self._shared[_place(slot, what)] = at_first
         if self._executor is None:
             self._executor = self._start()
-        with _as_the_program() if self.count > 1 else nullcontext():  # the pool starts its processes as work comes
+        with as_the_program() if self.count > 1 else nullcontext():  # the pool starts its processes as work comes
             return self._executor.submit(_checked, code(cell.config.kinds), _run_in_slot, run, cell, slot)
 
     def _start(self) -> Executor:
@@ -96,9 +95,9 @@ class Workers:
         """The step from which the cell in `slot` was gone on with; 0 where it was begun."""
         return int(self._shared[_place(slot, _FROM)])
 
-    def process(self, slot: int) -> int:
-        """The number of the process that runs the cell in `slot`; 0 while there is none."""
-        return int(self._shared[_place(slot, _PROCESS)])
+    def place(self, slot: int) -> str:
+        """Which worker and process runs the cell in `slot`, in words; process 0 while there is none."""
+        return f"worker {slot + 1}, process {self._shared[_place(slot, _PROCESS)]}"
 
     def stop(self) -> None:
         """Ask every cell to stop after its block."""
@@ -138,14 +137,14 @@ def _start_servers() -> None:
             multiprocessing.forkserver.ensure_running,
         ):
             signal.pthread_sigmask(signal.SIG_BLOCK, ending_signals())  # each time: the tracker's start unblocks some
-            with _as_the_program():
+            with as_the_program():
                 ensure_running()
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 @contextmanager
-def _as_the_program() -> Iterator[None]:
+def as_the_program() -> Iterator[None]:
     """A Python that is started within imports neither from the current folder nor, once more, the script that runs.
 
     Raises:

@@ -1,0 +1,390 @@
+"""Cells in the workers of a Dask cluster: one that is there, or one of our own on this machine that ends with us.
+
+Dask knows which worker is free, and does a cell again whose worker died. The run folder, which all share, is the
+truth: no result travels. To a worker goes a function's name with plain data (`dask_worker.py`), back come how many
+steps are done, and that a cell ended, or why not.
+"""
+
+import asyncio
+import contextlib
+import ipaddress
+import itertools
+import json
+import logging
+import multiprocessing.resource_tracker
+import os
+import pickle
+import re
+import signal
+import time
+import uuid
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import Future
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import dask
+import distributed
+from distributed import KilledWorker
+
+from visitlab_cli.errors import Interrupted, NotFoundError, RunError, UsageError, reason
+from visitlab_cli.execution.dask_worker import TOPIC, Terms, Told, difference, do_cell, facts, stop_cells
+from visitlab_cli.execution.executor import DEATHS_GIVEN_UP, DIED, NOT_BEGUN, WAITING, EndOfRunError
+from visitlab_cli.execution.workers import OtherCodeError, as_the_program
+from visitlab_cli.plan.cells import Cell
+from visitlab_cli.plugins import files
+from visitlab_cli.stopping import ending_signals
+from visitlab_cli.wording import printable
+
+CONNECT_SECONDS = 30.0
+ANSWER_SECONDS = 60.0
+"""How long a worker may take to import visitlab and say what it has."""
+ASK_SECONDS = 5.0
+"""How long the scheduler may take to answer while cells run."""
+LOOK_SECONDS = 2.0
+"""How often is asked which workers there are."""
+GONE_SECONDS = 60.0
+"""After how long a scheduler that does not answer is gone."""
+ALONE_SECONDS = 300.0
+"""How long there may be no worker."""
+CLOSE_SECONDS = 10.0
+AHEAD = 2
+"""Cells that are given to the cluster for each worker: the next one is there when one ends."""
+ADDRESS = re.compile(r"(?P<scheme>tcp|tls)://(?P<host>[A-Za-z0-9._-]+|\[[0-9A-Fa-f:.]+\]):(?P<port>[0-9]{1,5})")
+OWN = {
+    "distributed.scheduler.allowed-failures": DEATHS_GIVEN_UP - 1,
+    "distributed.worker.profile.enabled": False,
+}
+"""Dask's settings for a cluster of our own."""
+
+
+_dask: Any = distributed
+"""As Dask declares few of its types."""
+
+
+class At(NamedTuple):
+    """Where the scheduler is: its address, or the file in which it wrote that; neither: a cluster of our own."""
+
+    address: str = ""
+    scheduler_file: Path | None = None
+
+    def resolved(self) -> str:
+        """The address; empty where the cluster is to be our own.
+
+        Raises:
+            UsageError: it is none.
+            NotFoundError: there is no such file.
+            RunError: the file is not a scheduler's.
+        """
+        if self.scheduler_file is None:
+            if self.address and not ADDRESS.fullmatch(self.address):
+                raise UsageError(f"--address {printable(self.address)}: must be tcp://HOST:PORT or tls://HOST:PORT")
+            return self.address
+        name = printable(str(self.scheduler_file))
+        try:
+            address = json.loads(self.scheduler_file.read_text(encoding="utf-8"))["address"]
+        except FileNotFoundError:
+            raise NotFoundError(f"{name}: no such file; dask scheduler --scheduler-file writes it") from None
+        except OSError as error:
+            raise RunError(f"{name}: can't be read: {reason(error)}") from error
+        except (ValueError, KeyError, TypeError):
+            address = None
+        if not isinstance(address, str) or not ADDRESS.fullmatch(address):
+            raise RunError(f"{name}: is no scheduler file of Dask")
+        return address
+
+
+@dataclass
+class _Task:
+    """A cell that was given to the cluster; `starts` counts the workers that began it."""
+
+    cell: bytes
+    run: str
+    ours: Future[None] = field(default_factory=Future)
+    theirs: Any = None
+    told: Told = field(default_factory=lambda: Told(WAITING, 0, ""))
+    starts: int = 0
+    rounds: int = 0
+
+
+class DaskPool:
+    """The workers of a cluster as an `Executor`; there are as many slots as it can use, more as workers join."""
+
+    def __init__(self, at: At, workers: int, run: Path, kinds: Iterable[type], warn: Callable[[str], None]) -> None:
+        """Connect, or start a cluster of `workers`, and see that all workers are as this program.
+
+        Args:
+            at: where the cluster is.
+            workers: how many to start if it is our own.
+            run: the run folder.
+            kinds: the classes of what the config declares.
+            warn: told what a user should know.
+
+        Raises:
+            UsageError: the address is none.
+            NotFoundError: there is no such file.
+            RunError: nothing answers, or a worker is not as this program.
+        """
+        self._warn = warn
+        self._token = uuid.uuid4().hex
+        self._numbers = itertools.count()
+        self._tasks: dict[int, _Task] = {}  # by slot
+        self._by_number: dict[int, _Task] = {}
+        self._stopping = False
+        self._next_stop = self._next_look = 0.0
+        self._held = ExitStack()
+        self._cluster: Any = None
+        self._address = at.resolved()
+        try:
+            self._client = self._connected(workers)
+            self._workers: frozenset[str] = self._first_workers()
+            self._terms = self._agreed(run.absolute(), list(kinds))
+            self._client.subscribe_topic(TOPIC, self._hear)
+        except BaseException:
+            self.close()
+            raise
+        self._answered = self._peopled = time.monotonic()
+
+    def _connected(self, workers: int) -> Any:
+        try:
+            if not self._address:
+                self._cluster = self._held.enter_context(_own_cluster(workers))
+                self._address = self._cluster.scheduler_address
+            client = _dask.Client(self._cluster or self._address, timeout=CONNECT_SECONDS, set_as_default=False)
+        except Exception as error:
+            if self._address:
+                raise RunError(f"{self._address}: no Dask scheduler answers: {_in_short(error)}") from error
+            raise RunError(f"a Dask cluster on this machine can't be started: {_in_short(error)}") from error
+        self._held.callback(_quietly, client.close, timeout=CLOSE_SECONDS)
+        return client
+
+    def _first_workers(self) -> frozenset[str]:
+        try:
+            self._client.wait_for_workers(1, timeout=CONNECT_SECONDS)
+            known = self._ask(self._client.scheduler.identity, n_workers=-1)
+        except TimeoutError:
+            raise RunError(f"{self._address}: the Dask scheduler has no workers") from None
+        except Exception as error:
+            raise RunError(f"{self._address}: the Dask scheduler does not answer: {_in_short(error)}") from error
+        if open_to_all := next(filter(_is_exposed, (self._address, known["address"], *known["workers"])), None):
+            self._warn(
+                f"{open_to_all} is neither TLS nor on this machine alone: whoever reaches its port can run code as you"
+            )
+        return frozenset(known["workers"])
+
+    def _agreed(self, run: Path, kinds: list[type]) -> Terms:
+        """The terms that all workers were found to keep."""
+        probe = run / f".tmp-probe-{self._token[:8]}"
+        try:
+            probe.write_text(self._token)
+        except OSError as error:
+            raise RunError(f"{run}: can't be written: {reason(error)}") from error
+        self._held.callback(_quietly, probe.unlink)
+        plugins = tuple(str(file) for file in files())
+        terms = Terms(self._token, facts(kinds), plugins, pickle.dumps(kinds), str(probe))
+        answers = self._client.sync(_answers, self._client, sorted(self._workers), terms)
+        for worker, told in answers.items():
+            if isinstance(told, Exception):
+                told = f"can't run visitlab as it is here: {_in_short(told)}"
+            if told:
+                raise OtherCodeError(f"worker {worker} {told}")
+        return terms
+
+    def _ask(self, question: Callable[..., Any], *arguments: Any, **more: Any) -> Any:
+        return self._client.sync(question, *arguments, callback_timeout=ASK_SECONDS, **more)
+
+    @property
+    def workers(self) -> int:
+        """How many workers there are."""
+        return len(self._workers)
+
+    @property
+    def count(self) -> int:
+        """How many slots there are now."""
+        if time.monotonic() >= self._next_look:
+            self._look()
+            self._next_look = time.monotonic() + LOOK_SECONDS
+        return AHEAD * len(self._workers)
+
+    def _look(self) -> None:
+        try:
+            self._workers, had = frozenset(self._ask(self._client.nthreads)), self._workers
+            self._answered = time.monotonic()
+        except Exception:  # whatever follows from a connection that is lost
+            if time.monotonic() - self._answered > GONE_SECONDS:
+                self._end(self._gone())
+            return
+        if self._workers:
+            self._peopled = self._answered
+        elif had:
+            self._warn(f"{self._address}: no worker is left; waiting for one to join")
+        elif self._answered - self._peopled > ALONE_SECONDS:
+            self._end(EndOfRunError(f"{self._address}: no worker has joined; what was finished is kept"))
+
+    def submit(self, run: Path, cell: Cell, slot: int) -> Future[None]:
+        """Run a cell in a free `slot`."""
+        task = self._tasks[slot] = _Task(pickle.dumps(cell), str(run.absolute()))
+        self._send(task)
+        return task.ours
+
+    def _send(self, task: _Task) -> None:
+        number = next(self._numbers)
+        self._by_number[number] = task
+        try:
+            theirs = self._client.submit(
+                do_cell,
+                *(self._terms, number, task.run, task.cell),
+                key=f"visitlab-{self._token}-{number}",
+                pure=False,
+            )
+        except Exception:  # whatever follows from a connection that is lost
+            task.ours.set_exception(self._gone())
+            return
+        task.theirs = theirs
+        theirs.add_done_callback(lambda theirs: self._ended(number, theirs))
+
+    def _ended(self, number: int, theirs: Any) -> None:
+        task = self._by_number.pop(number)
+        error: BaseException | None = None
+        if theirs.status == "error":
+            error = theirs.exception()
+            if isinstance(error, KilledWorker):
+                task.rounds += 1
+                if max(task.starts, task.rounds) < DEATHS_GIVEN_UP and not self._stopping:
+                    self._send(task)  # it stood behind one that killed their worker
+                    return
+                error = RunError(DIED)
+        elif theirs.status != "finished":
+            error = Interrupted("stopped") if self._stopping else self._gone()
+        _settle(task.ours, error)
+
+    def _hear(self, event: Any) -> None:
+        token, number, *told = event[1]
+        if token != self._token or (task := self._by_number.get(number)) is None:
+            return
+        task.told = Told(*told)
+        task.starts += task.told.steps == NOT_BEGUN
+        if task.starts > DEATHS_GIVEN_UP:
+            _settle(task.ours, RunError(DIED))
+            self._client.loop.add_callback(self._client.cancel, [task.theirs])
+
+    def _gone(self) -> EndOfRunError:
+        kept = "what was finished is kept, and the same command goes on from there when it is back"
+        return EndOfRunError(f"{self._address}: the Dask scheduler is gone; {kept}")
+
+    def _end(self, error: EndOfRunError) -> None:
+        for task in list(self._by_number.values()):
+            _settle(task.ours, error)
+
+    def steps_done(self, slot: int) -> int:
+        """Steps that the cell in `slot` has done so far; `WAITING` also where its worker is gone."""
+        told = self._tasks[slot].told
+        return told.steps if told.worker in self._workers else WAITING
+
+    def place(self, slot: int) -> str:
+        """Which worker and process runs the cell in `slot`, in words."""
+        told = self._tasks[slot].told
+        return f"worker {told.worker}, process {told.process}"
+
+    def stop(self) -> None:
+        """Ask every cell to stop after its block; those that no worker has begun are taken back."""
+        if time.monotonic() < self._next_stop:
+            return
+        if not self._stopping:
+            self._stopping = True
+            tasks = list(self._by_number.values())
+            _quietly(self._ask, self._client.cancel, [each.theirs for each in tasks if each.told.steps == WAITING])
+        _quietly(self._ask, self._client.run, stop_cells, self._token, wait=False)  # workers may have joined since
+        self._next_stop = time.monotonic() + LOOK_SECONDS
+
+    def replace(self) -> None:
+        """Nothing: a cluster starts its workers anew by itself."""
+
+    def kill(self) -> None:
+        """End the workers of our own cluster; others have been asked to stop."""
+        for nanny in [] if self._cluster is None else list(self._cluster.workers.values()):
+            nanny.auto_restart = False
+            if nanny.pid is not None:
+                with contextlib.suppress(ProcessLookupError):
+                    os.kill(nanny.pid, signal.SIGKILL)
+
+    def close(self) -> None:
+        """Take leave; a cluster of our own ends."""
+        self._stopping = True
+        self._held.close()
+
+
+@contextmanager
+def _own_cluster(workers: int) -> Iterator[Any]:
+    """A cluster that only this machine reaches; its processes are deaf to what a terminal sends to all."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, ())
+    with as_the_program(), dask.config.set(OWN):
+        try:
+            for _ in range(2):  # the tracker's start unblocks some
+                signal.pthread_sigmask(signal.SIG_BLOCK, ending_signals())
+                multiprocessing.resource_tracker.ensure_running()
+            cluster = _dask.LocalCluster(
+                n_workers=workers,
+                threads_per_worker=1,
+                host="127.0.0.1",
+                protocol="tcp",
+                security=_dask.Security(require_encryption=False),
+                dashboard_address=None,
+                memory_limit=0,
+                death_timeout=ANSWER_SECONDS,
+                silence_logs=logging.CRITICAL,
+            )
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        try:
+            yield cluster
+        finally:
+            _quietly(cluster.close, timeout=CLOSE_SECONDS)
+
+
+async def _answers(client: Any, workers: list[str], terms: Terms) -> dict[str, str | Exception]:
+    """What each worker says of its `difference`."""
+
+    async def one(worker: str) -> Any:
+        try:
+            asked = client.run(difference, terms, workers=[worker], on_error="return")
+            return (await asyncio.wait_for(asked, ANSWER_SECONDS))[worker]
+        except TimeoutError:
+            return RunError(f"no answer in {ANSWER_SECONDS:.0f} seconds")
+        except Exception as error:
+            return error
+
+    return dict(zip(workers, await asyncio.gather(*map(one, workers)), strict=True))
+
+
+def _is_exposed(address: str) -> bool:
+    """Whether others than those on this machine may reach an address, unencrypted."""
+    found = ADDRESS.fullmatch(address)
+    if found is None or found["scheme"] == "tls" or found["host"] == "localhost":
+        return found is None
+    try:
+        return not ipaddress.ip_address(found["host"].strip("[]")).is_loopback
+    except ValueError:
+        return True
+
+
+def _settle(ours: Future[None], error: BaseException | None) -> None:
+    """End a future, unless it has ended."""
+    with contextlib.suppress(Exception):
+        if error is None:
+            ours.set_result(None)
+        else:
+            ours.set_exception(error)
+
+
+def _quietly(do: Callable[..., Any], *arguments: Any, **more: Any) -> None:
+    """Do what may fail where the other side is gone."""
+    with contextlib.suppress(Exception):
+        do(*arguments, **more)
+
+
+def _in_short(error: BaseException) -> str:
+    """A line, whatever Dask raised."""
+    return next(iter(str(error).splitlines()), "") or type(error).__name__
