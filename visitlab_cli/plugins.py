@@ -76,6 +76,19 @@ def use_files(names: Sequence[str | Path]) -> None:
         os.environ[VARIABLE] = os.pathsep.join(map(str, known))
 
 
+def use_only(names: Sequence[str | Path]) -> None:
+    """Name just these files as plug-ins and import them, in a process that serves several programs in turn.
+
+    Raises:
+        NotFoundError, UsageError: as `use_files`.
+        PluginError: one of them can't be imported.
+    """
+    os.environ.pop(VARIABLE, None)
+    use_files(names)
+    for file in files():
+        sys.modules[_name(file)] = _module(file)
+
+
 def versions_of(kinds: Iterable[type]) -> dict[str, str]:
     """What a run's folder keeps of the kinds of others: a package's version, of a file a part of its sha256."""
     modules = {kind.__module__ for kind in kinds if is_others(getattr(sys.modules[kind.__module__], "__file__", ""))}

@@ -183,7 +183,7 @@ class DaskPool:
             raise RunError(f"{run}: can't be written: {reason(error)}") from error
         self._held.callback(_quietly, probe.unlink)
         plugins = tuple(str(file) for file in files())
-        terms = Terms(self._token, facts(kinds), plugins, pickle.dumps(kinds), str(probe))
+        terms = Terms(self._token, facts(), str(probe), plugins, pickle.dumps(kinds), facts(kinds))
         answers = self._client.sync(_answers, self._client, sorted(self._workers), terms)
         for worker, told in answers.items():
             if isinstance(told, Exception):

@@ -1,7 +1,7 @@
 """What a Dask worker runs: importable functions of plain data, and what makes it refuse.
 
-A worker is a process that somebody started anywhere. Before its first cell of a command it looks whether it has the
-program's Python, packages, code and run folder, and imports the same plug-ins.
+A worker is a process that somebody started anywhere, and does one cell at a time, maybe of several programs in turn.
+Before a program's first cell it looks whether it has that one's Python, packages, code, run folder and plug-ins.
 """
 
 import os
@@ -10,7 +10,7 @@ import time
 from collections.abc import Iterable
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from distributed import Worker, get_worker
 
@@ -25,16 +25,18 @@ CODE = "code of visitlab"
 
 
 class Terms(NamedTuple):
-    """What a worker must have in common with the program; `token` names the command, `kinds` are pickled classes.
+    """What a worker must have in common with the program; `token` names the command.
 
-    `probe` is a file in the run folder that holds the token.
+    `probe` is a file in the run folder that holds the token. `kinds` are pickled classes that may come from the files
+    `plugins`, or from packages, and `with_kinds` are the facts with these.
     """
 
     token: str
     facts: dict[str, str]
+    probe: str
     plugins: tuple[str, ...]
     kinds: bytes
-    probe: str
+    with_kinds: dict[str, str]
 
 
 class Told(NamedTuple):
@@ -45,10 +47,10 @@ class Told(NamedTuple):
     worker: str
 
 
-_agreed: set[str] = set()
-"""The tokens of the commands whose terms were found to hold."""
+_serves = ""
+"""The token of the command whose cell came last; a worker may serve several in turn."""
 _stopped: set[str] = set()
-"""Those of the commands that were asked to stop."""
+"""The tokens of the commands that were asked to stop."""
 
 
 def facts(kinds: Iterable[type] = ()) -> dict[str, str]:
@@ -68,14 +70,7 @@ def difference(terms: Terms, dask_worker: Worker) -> str:
 
     if dask_worker.state.nthreads != 1:
         return f"has {dask_worker.state.nthreads} threads; start it with --nthreads 1, and more workers instead"
-    if told := _other(terms, facts(), without=CODE):
-        return told
-    try:
-        found = facts(_kinds(terms))
-    except Exception as error:
-        words = str(error) if isinstance(error, VisitlabError) else f"{type(error).__name__}: {error}"
-        return f"can't import what the config names: {words}".splitlines()[0]
-    if told := _other(terms, found):
+    if told := _other(terms.facts, facts()):
         return told
     try:
         seen = Path(terms.probe).read_text() == terms.token
@@ -87,21 +82,25 @@ def difference(terms: Terms, dask_worker: Worker) -> str:
     return ""
 
 
-def _other(terms: Terms, found: dict[str, str], without: str = "") -> str:
+def _difference_of_kinds(terms: Terms) -> str:
+    """As `difference`, of what the config names; from here on the plug-ins are the program's, as in one that starts."""
+    from visitlab_cli.plugins import use_only
+
+    try:
+        use_only(terms.plugins)
+        found = facts(pickle.loads(terms.kinds))
+    except Exception as error:
+        words = str(error) if isinstance(error, VisitlabError) else f"{type(error).__name__}: {error}"
+        return f"can't import what the config names: {words}".splitlines()[0]
+    return _other(terms.with_kinds, found)
+
+
+def _other(ours: dict[str, str], found: dict[str, str]) -> str:
     for name, theirs in found.items():
-        if name != without and terms.facts.get(name) != theirs:
-            return f"has {name} {theirs}, this program {terms.facts.get(name, 'has none')}"
+        if ours.get(name) != theirs:
+            anew = "; start it anew" if name == CODE else ""
+            return f"has {name} {theirs}, this program {ours.get(name, 'none')}{anew}"
     return ""
-
-
-def _kinds(terms: Terms) -> Any:
-    from pydantic import BaseModel
-
-    from visitlab_cli.plugins import in_files, use_files
-
-    use_files(terms.plugins)
-    list(in_files(BaseModel))
-    return pickle.loads(terms.kinds)
 
 
 async def stop_cells(token: str) -> None:
@@ -113,17 +112,19 @@ def do_cell(terms: Terms, number: int, run: str, cell: bytes) -> None:
     """Run a pickled cell in the run folder `run`, unless it is done; `number` is what the program calls it.
 
     Raises:
-        OtherCodeError: this worker, which joined late, is not as the program.
+        OtherCodeError: this worker is not as the program.
         RunError: as `run_cell`.
         Interrupted: the command was asked to stop.
     """
+    global _serves
     worker = get_worker()
-    if terms.token not in _agreed:
-        if told := difference(terms, worker):
+    if terms.token != _serves:
+        _serves = ""
+        if told := difference(terms, worker) or _difference_of_kinds(terms):
             from visitlab_cli.execution.workers import OtherCodeError
 
             raise OtherCodeError(f"worker {worker.address} {told}")
-        _agreed.add(terms.token)
+        _serves = terms.token
     from visitlab_cli.execution.cell_runner import run_cell
     from visitlab_cli.execution.warm_up import compile_here
     from visitlab_cli.storage.cell_folder import read_cell
