@@ -10,6 +10,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 
 from tests.faults import (  # noqa: F401  (they register)
+    clusters,
     configs,
     contents_of_runs,
     disks,

@@ -1,5 +1,6 @@
 """The bench: an undisturbed run to compare with, the program run as a user runs it, and what this machine allows."""
 
+import importlib.util
 import os
 import resource
 import shutil
@@ -238,5 +239,6 @@ def _compiler(bench: Bench) -> str:
 NEEDS: dict[str, Callable[[Bench], str]] = {
     "mount": _mount,
     "compiler": _compiler,
+    "dask": lambda bench: "" if importlib.util.find_spec("distributed") else "there is no Dask",
     "linux": lambda bench: "" if sys.platform == "linux" else "processes are found in /proc only",
 }

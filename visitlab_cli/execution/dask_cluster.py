@@ -132,7 +132,7 @@ class DaskPool:
         self._numbers = itertools.count()
         self._tasks: dict[int, _Task] = {}  # by slot
         self._by_number: dict[int, _Task] = {}
-        self._stopping = False
+        self._stopping = self._lost = False
         self._next_stop = self._next_look = 0.0
         self._held = ExitStack()
         self._cluster: Any = None
@@ -271,6 +271,7 @@ class DaskPool:
             self._client.loop.add_callback(self._client.cancel, [task.theirs])
 
     def _gone(self) -> EndOfRunError:
+        self._lost = True
         kept = "what was finished is kept, and the same command goes on from there when it is back"
         return EndOfRunError(f"{self._address}: the Dask scheduler is gone; {kept}")
 
@@ -290,7 +291,7 @@ class DaskPool:
 
     def stop(self) -> None:
         """Ask every cell to stop after its block; those that no worker has begun are taken back."""
-        if time.monotonic() < self._next_stop:
+        if self._lost or time.monotonic() < self._next_stop:
             return
         if not self._stopping:
             self._stopping = True

@@ -124,8 +124,9 @@ class _Running:
 
     def _take_new_slots(self) -> None:
         """Those of workers that joined."""
-        self.free_slots += range(self.slots, self.pool.count)
-        self.slots = max(self.slots, self.pool.count)
+        new = range(self.slots, self.pool.count)
+        self.free_slots += new
+        self.slots += len(new)
 
     def _start(self, cell: Cell) -> bool:
         """Start a cell in a free slot; False where the pool is found broken, of which the running ones will tell."""
