@@ -173,7 +173,7 @@ def test_a_worker_that_joins_later_is_used_if_it_is_as_the_program(cells, cluste
 def test_what_a_worker_says_that_is_not_as_the_program(change, threads, said, tmp_path, monkeypatch):
     monkeypatch.setenv("NUMBA_NUM_THREADS", "1")
     monkeypatch.setenv(VARIABLE, "")
-    (tmp_path / "probe").write_text("t")
+    (tmp_path / "probe").write_text('{"token": "t"}')
     facts = dask_worker.facts()
     terms = dask_worker.Terms("t", facts, str(tmp_path / "probe"), (), pickle.dumps([]), facts)._replace(**change)
     worker = SimpleNamespace(state=SimpleNamespace(nthreads=threads))

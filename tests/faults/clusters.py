@@ -27,15 +27,11 @@ class _Two(Cluster):
         return self
 
 
-def _begun(out: Path) -> bool:
-    return any(out.glob("*/.tmp-*-*.lock")) or any(out.glob("*/*/**/cell.json"))
-
-
 def _started(this: Try, out: Path, *where: object) -> tuple["subprocess.Popen[bytes]", bool]:
-    """A run that goes on in a cluster, at a random moment after its first cell began; False if it ended before."""
+    """A run in a cluster, at a random moment after it knows its workers; False if it ended before."""
     words = "run", this.bench.config, "--out", out, "-q", "--executor", "dask", *where
     program = this.bench.start(*words, cwd=this.folder)
-    until(lambda: _begun(out) or program.poll() is not None)
+    until(lambda: any(out.glob("*/.tmp-*-*.lock")) or program.poll() is not None)
     time.sleep(this.random.uniform(0, 0.6) * this.bench.seconds)
     this.count = int(program.poll() is None)
     return program, bool(this.count)
@@ -77,7 +73,7 @@ def dask_scheduler(this: Try) -> None:
         done = this.bench.wait(program)
         if moment:
             this.told(done, 0, 4, names="the Dask scheduler is gone")
-            this.wrong += [f"took {done.seconds:.0f} s to say so"] * (done.seconds > 30)
+            this.wrong += [f"took {done.seconds:.0f} s to say so"] * (done.seconds > 45)
             lines = done.stderr.strip().splitlines()
             this.wrong += [f"{len(lines)} lines of a scheduler that is gone"] * (len(lines) > 1)
     this.resumed(out)

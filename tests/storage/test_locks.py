@@ -155,3 +155,15 @@ def test_a_process_that_was_killed_leaves_what_the_next_one_removes(tmp_path):
     subprocess.run([sys.executable, "-c", program, str(tmp_path)], check=False)
     (file,) = tmp_path.glob("*.lock")
     assert is_abandoned(file)
+
+
+def test_a_process_that_ended_and_whose_parent_never_asked_is_gone():
+    process = subprocess.Popen([sys.executable, "-c", "input()"], stdin=subprocess.PIPE)
+    owner = {"process": process.pid, "started": locks._started(process.pid)}
+    assert owner["started"]
+    assert locks.lives(owner)
+    process.kill()
+    os.waitid(os.P_PID, process.pid, os.WEXITED | os.WNOWAIT)
+    assert not locks.lives(owner)
+    process.wait()
+    process.stdin.close()

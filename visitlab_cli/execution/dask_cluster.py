@@ -16,6 +16,7 @@ import os
 import pickle
 import re
 import signal
+import sys
 import time
 import uuid
 from collections.abc import Callable, Iterable, Iterator
@@ -36,6 +37,8 @@ from visitlab_cli.execution.workers import OtherCodeError, as_the_program
 from visitlab_cli.plan.cells import Cell
 from visitlab_cli.plugins import files
 from visitlab_cli.stopping import ending_signals
+from visitlab_cli.storage.cell_folder import TEMPORARY, lock_of
+from visitlab_cli.storage.locks import Heart, lock
 from visitlab_cli.wording import printable
 
 CONNECT_SECONDS = 30.0
@@ -176,16 +179,19 @@ class DaskPool:
 
     def _agreed(self, run: Path, kinds: list[type]) -> Terms:
         """The terms that all workers were found to keep."""
-        probe = run / f".tmp-probe-{self._token[:8]}"
         try:
-            probe.write_text(self._token)
+            probe = lock(lock_of(run / f"{TEMPORARY}probe-{self._token[:8]}"), new=True, token=self._token)
         except OSError as error:
             raise RunError(f"{run}: can't be written: {reason(error)}") from error
-        self._held.callback(_quietly, probe.unlink)
+        probe.beat()  # which also sends it to the others
+        self._heart = Heart(probe)
+        self._held.callback(probe.release, remove=True)
         plugins = tuple(str(file) for file in files())
-        terms = Terms(self._token, facts(), str(probe), plugins, pickle.dumps(kinds), facts(kinds))
+        terms = Terms(self._token, facts(), str(probe.file), plugins, pickle.dumps(kinds), facts(kinds))
         answers = self._client.sync(_answers, self._client, sorted(self._workers), terms)
         for worker, told in answers.items():
+            if isinstance(told, OSError):  # it is gone; it, or who comes in its place, is asked before its first cell
+                continue
             if isinstance(told, Exception):
                 told = f"can't run visitlab as it is here: {_in_short(told)}"
             if told:
@@ -209,6 +215,7 @@ class DaskPool:
         return AHEAD * len(self._workers)
 
     def _look(self) -> None:
+        self._heart.beat()
         try:
             self._workers, had = frozenset(self._ask(self._client.nthreads)), self._workers
             self._answered = time.monotonic()
@@ -325,7 +332,7 @@ def _own_cluster(workers: int) -> Iterator[Any]:
         try:
             for _ in range(2):  # the tracker's start unblocks some
                 signal.pthread_sigmask(signal.SIG_BLOCK, ending_signals())
-                multiprocessing.resource_tracker.ensure_running()
+                _start_tracker()
             cluster = _dask.LocalCluster(
                 n_workers=workers,
                 threads_per_worker=1,
@@ -343,6 +350,16 @@ def _own_cluster(workers: int) -> Iterator[Any]:
             yield cluster
         finally:
             _quietly(cluster.close, timeout=CLOSE_SECONDS)
+
+
+def _start_tracker() -> None:
+    """Start what cleans up after us, told not to say so where we are killed."""
+    before = list(sys.warnoptions)
+    sys.warnoptions[:] = ["ignore"]
+    try:
+        multiprocessing.resource_tracker.ensure_running()
+    finally:
+        sys.warnoptions[:] = before
 
 
 async def _answers(client: Any, workers: list[str], terms: Terms) -> dict[str, str | Exception]:

@@ -4,6 +4,7 @@ A worker is a process that somebody started anywhere, and does one cell at a tim
 Before a program's first cell it looks whether it has that one's Python, packages, code, run folder and plug-ins.
 """
 
+import json
 import os
 import pickle
 import time
@@ -27,8 +28,8 @@ CODE = "code of visitlab"
 class Terms(NamedTuple):
     """What a worker must have in common with the program; `token` names the command.
 
-    `probe` is a file in the run folder that holds the token. `kinds` are pickled classes that may come from the files
-    `plugins`, or from packages, and `with_kinds` are the facts with these.
+    `probe` is a lock file in the run folder that says the token. `kinds` are pickled classes that may come from the
+    files `plugins`, or from packages, and `with_kinds` are the facts with these.
     """
 
     token: str
@@ -65,7 +66,7 @@ def facts(kinds: Iterable[type] = ()) -> dict[str, str]:
 def difference(terms: Terms, dask_worker: Worker) -> str:
     """Why this worker can't work for the program, in words; empty if it can."""
     shut_out_variables()
-    os.environ["NUMBA_NUM_THREADS"] = "1"  # heeded by numba's first import
+    os.environ["NUMBA_NUM_THREADS"] = "1"  # heeded where the compiler is imported first
     from visitlab_cli.execution import cell_runner, warm_up  # noqa: F401  (so that what is hashed is what runs)
 
     if dask_worker.state.nthreads != 1:
@@ -73,8 +74,8 @@ def difference(terms: Terms, dask_worker: Worker) -> str:
     if told := _other(terms.facts, facts()):
         return told
     try:
-        seen = Path(terms.probe).read_text() == terms.token
-    except (OSError, ValueError):
+        seen = json.loads(Path(terms.probe).read_bytes())["token"] == terms.token
+    except (OSError, ValueError, KeyError, TypeError):
         seen = False
     if not seen:
         folder = Path(terms.probe).parent

@@ -33,6 +33,8 @@ READ_ONLY = {errno.EROFS, errno.EACCES, errno.EPERM}
 TRIES = 100
 LEFT = "left"
 """What an owner says that left something to go on from, though its process may live."""
+ENDED = ("Z", "X")
+"""The states of a process that does nothing any more."""
 
 
 class HeldError(Exception):
@@ -149,10 +151,14 @@ def _text(place: str) -> str:
 
 
 def _started(process: int) -> str:
-    """When a process was started, in the system's ticks; empty where the system does not tell."""
+    """When a process was started, in the system's ticks; empty where the system does not tell, or it has ended.
+
+    Of one that has ended the system keeps the number until its parent asks, which may be never.
+    """
     try:
-        return _text(f"/proc/{process}/stat").rpartition(")")[2].split()[19]
-    except (OSError, IndexError):
+        state, *fields = _text(f"/proc/{process}/stat").rpartition(")")[2].split()
+        return "" if state in ENDED else fields[18]
+    except (OSError, IndexError, ValueError):
         return ""
 
 
