@@ -1,8 +1,11 @@
 """Cells in the workers of a Dask cluster: the same bytes, and a line for each thing that may be wrong with one."""
 
+import gc
 import os
 import pickle
+import shutil
 import signal
+import subprocess
 import time
 from types import SimpleNamespace
 
@@ -200,11 +203,17 @@ def test_a_port_that_others_reach_unencrypted_is_told(address, exposed):
     assert dask_cluster._is_exposed(address) == exposed
 
 
-def test_nothing_answers(tmp_path, monkeypatch):
+@pytest.mark.parametrize("address", ["tcp://127.0.0.1:1", "tls://127.0.0.1:1"])
+def test_nothing_answers(address, tmp_path, monkeypatch, capfd):
     monkeypatch.setattr(dask_cluster, "CONNECT_SECONDS", 0.3)
-    with pytest.raises(RunError, match=r"^tcp://127.0.0.1:1: no Dask scheduler answers: ") as told:
-        DaskPool(At("tcp://127.0.0.1:1"), 0, tmp_path, [], print)
+    begun = time.monotonic()
+    with pytest.raises(RunError, match=rf"^{address}: no Dask scheduler answers: ") as told:
+        DaskPool(At(address), 0, tmp_path, [], print)
     assert "\n" not in str(told.value)
+    del told
+    gc.collect()
+    assert time.monotonic() - begun < 20
+    assert "Traceback" not in capfd.readouterr().err
 
 
 def test_files_that_are_no_schedulers(tmp_path):
@@ -276,6 +285,51 @@ def test_interrupted_a_cluster_of_ones_own_ends_too(tmp_path, twice):
     assert "Traceback" not in told
     assert time.monotonic() - begun < 30
     until(lambda: not members_of(program.pid))
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(shutil.which("openssl") is None, reason="there is no openssl")
+def test_tls_is_dasks_own_and_is_heeded(tmp_path):
+    command = [
+        "openssl",
+        "req",
+        "-x509",
+        "-newkey",
+        "rsa:2048",
+        "-nodes",
+        "-keyout",
+        "key",
+        "-out",
+        "cert",
+        "-days",
+        "2",
+    ]
+    subprocess.run([*command, "-subj", "/CN=visitlab"], cwd=tmp_path, check=True, capture_output=True)
+    tls, cert, key = "DASK_DISTRIBUTED__COMM__TLS__", str(tmp_path / "cert"), str(tmp_path / "key")
+    env = {"DASK_DISTRIBUTED__COMM__REQUIRE_ENCRYPTION": "true", f"{tls}CA_FILE": cert}
+    for who in ("SCHEDULER", "WORKER", "CLIENT"):
+        env |= {f"{tls}{who}__CERT": cert, f"{tls}{who}__KEY": key}
+    with Cluster(tmp_path, **UNCOMPILED, **env) as cluster:
+        cluster.add_worker()
+        assert cluster.address.startswith("tls://")
+        words = (
+            "run",
+            TINY,
+            NAVIGATION,
+            "--executor",
+            "dask",
+            "--scheduler-file",
+            cluster.file,
+            "--out",
+            tmp_path / "runs",
+        )
+        done = new_process(*words, env=env | UNCOMPILED)
+        assert done.returncode == 0, done.stderr
+        assert "whoever reaches" not in done.stderr
+        own = new_process(
+            "run", TINY, NAVIGATION, "--executor", "dask", "--out", tmp_path / "own", env=env | UNCOMPILED
+        )
+        assert own.returncode == 0, own.stderr
 
 
 def test_local_workers_say_where_a_cell_runs():

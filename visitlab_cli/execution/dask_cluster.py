@@ -67,6 +67,16 @@ _dask: Any = distributed
 """As Dask declares few of its types."""
 
 
+class _Client(distributed.Client):
+    """A client that is closed where it was opened: one that never connected would try so for a minute as it goes."""
+
+    def __del__(self) -> None:
+        """Nothing."""
+
+
+_client: Any = _Client
+
+
 class At(NamedTuple):
     """Where the scheduler is: its address, or the file in which it wrote that; neither: a cluster of our own."""
 
@@ -155,7 +165,7 @@ class DaskPool:
             if not self._address:
                 self._cluster = self._held.enter_context(_own_cluster(workers))
                 self._address = self._cluster.scheduler_address
-            client = _dask.Client(self._cluster or self._address, timeout=CONNECT_SECONDS, set_as_default=False)
+            client = _client(self._cluster or self._address, timeout=CONNECT_SECONDS, set_as_default=False)
         except Exception as error:
             if self._address:
                 raise RunError(f"{self._address}: no Dask scheduler answers: {_in_short(error)}") from error
