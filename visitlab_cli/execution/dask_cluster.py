@@ -301,6 +301,10 @@ class DaskPool:
         told = self._tasks[slot].told
         return told.steps if told.worker in self._workers else WAITING
 
+    def went_on_from(self, slot: int) -> int:
+        """The step from which the cell in `slot` was gone on with; 0 where it was begun."""
+        return self._tasks[slot].told.begun_at
+
     def place(self, slot: int) -> str:
         """Which worker and process runs the cell in `slot`, in words."""
         told = self._tasks[slot].told

@@ -41,11 +41,12 @@ class Terms(NamedTuple):
 
 
 class Told(NamedTuple):
-    """How far a cell is, and where it runs."""
+    """How far a cell is, where it runs, and from which step it was gone on with."""
 
     steps: int
     process: int
     worker: str
+    begun_at: int = 0
 
 
 _serves = ""
@@ -135,7 +136,7 @@ def do_cell(terms: Terms, number: int, run: str, cell: bytes) -> None:
     if read_cell(Path(run) / to_do.path) is None:  # else who did it died before anybody knew
         compile_here(to_do)
         report(0)
-        run_cell(Path(run), to_do, report)
+        run_cell(Path(run), to_do, report, report.goes_on)
 
 
 class _Report:
@@ -143,7 +144,7 @@ class _Report:
 
     def __init__(self, token: str, number: int, worker: Worker) -> None:
         self._token, self._number, self._worker = token, number, worker
-        self._next = 0.0
+        self._next, self._begun_at = 0.0, 0
         self(NOT_BEGUN)
         self._next = 0.0
 
@@ -153,5 +154,10 @@ class _Report:
         now = time.monotonic()
         if now >= self._next:
             self._next = now + SECONDS_BETWEEN_EVENTS
-            told = Told(steps, os.getpid(), self._worker.address)
+            told = Told(steps, os.getpid(), self._worker.address, self._begun_at)
             self._worker.log_event(TOPIC, [self._token, self._number, *told])
+
+    def goes_on(self, steps: int) -> None:
+        """Tell that the cell is gone on with from a step."""
+        self._begun_at, self._next = steps, 0.0
+        self(steps)
