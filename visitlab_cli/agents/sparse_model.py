@@ -28,6 +28,12 @@ Weights = npt.NDArray[np.int32] | npt.NDArray[np.float64]
 ARRAYS = ("visits", "reward_sums", "successor_offsets", "successor_states", "successor_counts")
 """What a model is saved as."""
 
+AT_ONCE = 2048
+"""The pairs that a sweep goes over several times before it goes on: what it reads of them stays near."""
+
+Index = np.uint64
+"""Of what is known not to be negative: no kernel asks whether it counts from the end."""
+
 
 class SparseModel(NamedTuple):
     """Counts and rewards of every (state, action) pair; arrays over pairs have shape (states * actions,)."""
@@ -41,6 +47,7 @@ class SparseModel(NamedTuple):
     pool_states: Counts
     pool_counts: Weights
     pool_end: Ints  # shape (1,)
+    left: Counts  # scratch space of sweeps
 
     def filled(self) -> dict[str, int]:
         """How much of the pool is in use, in a checkpoint."""
@@ -62,6 +69,7 @@ def empty_model(setting: Setting, kind: type[np.generic] = np.int32) -> SparseMo
         pool_states=np.empty(pool, np.int32),
         pool_counts=np.empty(pool, kind),
         pool_end=np.zeros(1, np.int64),
+        left=np.zeros(AT_ONCE, np.int32),
     )
 
 
@@ -129,27 +137,49 @@ def uncount(model: SparseModel, pair: int, reward: float, next_state: int) -> No
 def sweep(model: SparseModel, q: Table, values: Table, gamma: float, known: int, fill_unvisited: bool) -> None:
     """One synchronous sweep over all pairs visited at least `known` times, changing `q`, shape (states, actions).
 
-    `values`, shape (states,), is scratch space. With `fill_unvisited` a pair never tried has R = 0 and a uniform
-    T over all states; otherwise it keeps its value.
+    `values`, shape (states,), is scratch space; `known` is at least 1. With `fill_unvisited` a pair never tried has
+    R = 0 and a uniform T over all states; otherwise it keeps its value.
+
+    Some pairs at a time have their first successor added, then those with two their second, and so on: no processor
+    foretells where the row of one pair ends, but all of one such column it does. Each sum has its terms in the order of
+    its row.
     """
-    n_states, n_actions = q.shape
+    n_states = len(q)
     total = 0.0
     for state in range(n_states):
         values[state] = maximum(q[state])
         total += values[state]
     unvisited = gamma * (total / n_states)
-    for state in range(n_states):
-        for action in range(n_actions):
-            pair = state * n_actions + action
-            visits = model.visits[pair]
-            if visits >= known:
-                expected = 0.0
-                first = model.first[pair]
-                for place in range(first, first + model.length[pair]):
-                    expected += model.pool_counts[place] * values[model.pool_states[place]]
-                q[state, action] = model.mean_rewards[pair] + gamma * expected / visits
-            elif fill_unvisited and visits == 0:
-                q[state, action] = unvisited
+    flat, left = q.reshape(q.size), model.left
+    for begin in range(0, q.size, AT_ONCE):
+        end = min(begin + AT_ONCE, q.size)
+        new, visits, rewards = flat[begin:end], model.visits[begin:end], model.mean_rewards[begin:end]
+        first, length = model.first[begin:end], model.length[begin:end]
+        tried = 0
+        for pair in range(len(new)):
+            left[tried] = pair
+            tried += visits[pair] >= known
+        n_left = 0
+        for place in range(tried):
+            pair = Index(left[place])
+            new[pair] = 0.0
+            left[n_left] = pair
+            n_left += length[pair] > 0
+        column = 0
+        while n_left > 0:
+            longer = 0
+            for place in range(n_left):
+                pair = Index(left[place])
+                successor = Index(first[pair] + column)
+                new[pair] += model.pool_counts[successor] * values[Index(model.pool_states[successor])]
+                left[longer] = pair
+                longer += length[pair] > column + 1
+            n_left = longer
+            column += 1
+        for pair in range(len(new)):
+            known_value = rewards[pair] + gamma * new[pair] / max(float(visits[pair]), 1.0)
+            other_value = unvisited if fill_unvisited and visits[pair] == 0 else new[pair]
+            new[pair] = known_value if visits[pair] >= known else other_value
 
 
 def saved_model(model: SparseModel, n_actions: int, prefix: str = "") -> Saved:
