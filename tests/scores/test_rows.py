@@ -18,10 +18,6 @@ from visitlab_cli.scores.rows import read_rows, shipped_rows
 ROWS = Path(__file__).with_name("rows")
 ROOT = Path(__file__).parents[2]
 BUILT_IN = ROOT / "configs" / "agents" / "built-in.yaml"
-ELSEWHERE = {"windowed", "forgetting", "coordinated", "multi_model", "prioritized_sweeping", "dyna"}
-"""Measured in docs/adapting.md and docs/planning.md."""
-
-
 @pytest.fixture
 def copied(tmp_path):
     return shutil.copytree(ROWS, tmp_path / "rows")
@@ -55,14 +51,14 @@ def test_the_optima_of_the_rows_are_those_that_are_computed(human):
 
 
 def test_every_kind_of_ours_is_among_the_agents_that_the_page_shows():
-    assert {each.parameters.kind for each in contenders(BUILT_IN)} == set(KINDS) - ELSEWHERE
+    assert {each.parameters.kind for each in contenders(BUILT_IN)} == set(KINDS)
 
 
 def test_the_page_is_of_the_rows_as_they_are():
     rows, page = read_rows(), (ROOT / "docs" / "scores.md").read_text()
     assert f"**{rows.label}**" in page, "the rows changed: raise `set` and write the page anew, as it says"
     assert all(row.question in page for row in rows.rows.values())
-    assert all(f" {name} " in page for name in set(KINDS) - ELSEWHERE)
+    assert all(f" {name} " in page for name in set(KINDS))
 
 
 def test_a_set_has_the_largest_number_of_its_files_and_another_digest_for_another_rule(copied):

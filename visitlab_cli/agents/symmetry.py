@@ -37,6 +37,12 @@ class Symmetric(NamedTuple):
 
     inner: tuple  # type: ignore[type-arg]  # the record of another agent
     fold: Fold
+    meant: Ints  # scratch space, shape (actions,)
+
+
+def symmetric(inner: tuple) -> Symmetric:  # type: ignore[type-arg]
+    """An agent of the social task's kept states as one of all states."""
+    return Symmetric(inner, fold(), np.arange(N_SOCIAL_ACTIONS))
 
 
 @cache
@@ -81,9 +87,11 @@ def choose(agent: Symmetric, state: int, step: int, random: RandomState) -> tupl
 @CHOOSE_AS.of(Symmetric)
 def choose_as(agent: Symmetric, state: int, meant: Ints, step: int, random: RandomState) -> tuple[int, bool]:
     """The same where each action is valued as the one it comes to."""
-    there, back = agent.fold.action[state], agent.fold.back[state]
-    action, explored = choose_as_of(agent.inner, agent.fold.state[state], there[meant[back]], step, random)
-    return back[action], explored
+    fold = agent.fold
+    for action in range(len(agent.meant)):
+        agent.meant[action] = fold.action[state, meant[fold.back[state, action]]]
+    action, explored = choose_as_of(agent.inner, fold.state[state], agent.meant, step, random)
+    return fold.back[state, action], explored
 
 
 @LEARN.of(Symmetric)

@@ -7,7 +7,7 @@ from pydantic import Field
 
 from visitlab_cli.agents.base import AgentParameters, Saved, Setting
 from visitlab_cli.agents.declared import Declared
-from visitlab_cli.agents.symmetry import Symmetric, fault_in_fold, fold, folded, unfolded
+from visitlab_cli.agents.symmetry import Symmetric, fault_in_fold, fold, folded, symmetric, unfolded
 from visitlab_cli.settings import since
 from visitlab_cli.world.tasks import SOCIAL, VISIT
 
@@ -42,13 +42,13 @@ class TabularParameters(AgentParameters):
         """A new agent's record."""
         if not self.symmetric:
             return self._create(setting)
-        return Symmetric(self._create(_inner(setting)), fold())
+        return symmetric(self._create(_inner(setting)))
 
     def restore(self, setting: Setting, saved: Saved) -> Any:
         """The record that goes on from saved arrays."""
         if not self.symmetric:
             return self._restore(setting, saved)
-        return Symmetric(self._restore(_inner(setting), folded(saved)), fold())
+        return symmetric(self._restore(_inner(setting), folded(saved)))
 
     def save(self, record: Any) -> Saved:
         """`q` of all states; counts in the rows of the states that stand for others, where it is symmetric."""
