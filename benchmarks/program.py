@@ -3,6 +3,7 @@
 python -m benchmarks.program
 """
 
+import json
 import os
 import resource
 import statistics
@@ -12,7 +13,10 @@ import tempfile
 import time
 from pathlib import Path
 
+from benchmarks.rows import Row, number, show
+
 ROUNDS = 15
+MANY = 500
 BARE = """
 import typer
 app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False)
@@ -76,18 +80,76 @@ def run_cell(folder, cache, out):
     return time.perf_counter() - begun, usage.ru_maxrss * unit / 1e6
 
 
-def main():
+def tiny_run(folder, cache):
+    """Seconds by the clock of a run of one tiny cell, as a command; the median of some."""
+    config = folder / "tiny.yaml"
+    config.write_text(CELL.replace("500000", "2000"))
+    seconds = []
+    for turn in range(ROUNDS):
+        out = str(folder / f"tiny-{turn}")
+        command = [sys.executable, "-m", "visitlab_cli", "run", str(config), "--workers", "1", "--out", out]
+        begun = time.perf_counter()
+        environment = as_a_user() | {"VISITLAB_CACHE": str(cache)}
+        subprocess.run(command, env=environment, check=True, capture_output=True)
+        seconds.append(time.perf_counter() - begun)
+    return statistics.median(seconds[1:])
+
+
+def many_cells(folder, cache):
+    """Milliseconds of CPU that a cell of 2,000 steps costs in a run of many, playing aside; seconds to list the run."""
+    config = folder / "many.yaml"
+    config.write_text(CELL.replace("500000", "2000") + f"seeds: {MANY}\nrecord: {{steps: none}}\n")
+    environment = as_a_user() | {"VISITLAB_CACHE": str(cache)}
+    out = ["--out", str(folder / "many")]
+    run = [sys.executable, "-m", "visitlab_cli", "run", str(config), "--workers", "1", *out]
+    before = children_seconds()
+    subprocess.run(run, env=environment, check=True, capture_output=True)
+    spent = children_seconds() - before
+    playing = sum(json.loads(file.read_text())["cpu_seconds"] for file in (folder / "many").rglob("timing.json"))
+    begun = time.perf_counter()
+    command = [sys.executable, "-m", "visitlab_cli", "runs", "list", *out]
+    subprocess.run(command, env=environment, check=True, capture_output=True)
+    return 1e3 * (spent - playing) / MANY, time.perf_counter() - begun
+
+
+def figures(folder, cache):
+    """Seconds of CPU of `visitlab figures` of a run of one cell."""
+    environment = as_a_user() | {"VISITLAB_CACHE": str(cache)}
+    (run,) = (folder / "warm").iterdir()
+    before = children_seconds()
+    command = [sys.executable, "-m", "visitlab_cli", "figures", str(run), "--out", str(folder / "warm")]
+    subprocess.run(command, env=environment, check=True, capture_output=True)
+    return children_seconds() - before
+
+
+def compiling_quickstart(folder):
+    """Seconds of CPU of as little of it as there can be, with an empty cache."""
+    environment = as_a_user() | {"VISITLAB_CACHE": str(folder / "quickstart")}
+    few = [f"experiments.{task}.steps=200" for task in ("navigation", "go_to_human", "social")]
+    more = ["experiments.visit.trials=2", "--out", str(folder / "quick"), "--workers", "1"]
+    command = [sys.executable, "-m", "visitlab_cli", "run", "quickstart", *few, *more]
+    before = children_seconds()
+    subprocess.run(command, env=environment, check=True, capture_output=True)
+    return children_seconds() - before
+
+
+def rows():
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         count, seconds, ratio = help_against_bare_typer(folder)
-        print(
-            f"visitlab --help: {seconds:.3f} s of CPU, {ratio:.2f} times a bare typer application of {count} commands"
-        )
+        yield Row("visitlab --help", seconds, "s of CPU", f"bare typer of {count} commands", ratio, "1.2")
         cold, _ = run_cell(folder, folder / "cache", "cold")
         warm, megabytes = run_cell(folder, folder / "cache", "warm")
-        print(f"a cell of 500,000 social steps: {cold:.1f} s with an empty cache, {warm:.1f} s with a warm one")
-        print(f"its peak memory with a warm cache, everything in one process: {megabytes:.0f} MB")
+        beside = f"with an empty cache {number(cold)}"
+        yield Row("a cell of 500,000 social steps, recorded", warm, "s", beside, warm / cold)
+        yield Row("its peak memory, everything in one process", megabytes, "MB")
+        yield Row("a run of one cell of 2,000 steps", tiny_run(folder, folder / "cache"), "s", wanted="1.2")
+        overhead, listing = many_cells(folder, folder / "cache")
+        yield Row(f"a cell of 2,000 steps in a run of {MANY}, playing aside", overhead, "ms of CPU", wanted="8")
+        yield Row("visitlab runs list of that run", listing, "s", wanted="1")
+        yield Row("visitlab figures of a run of one cell", figures(folder, folder / "cache"), "s of CPU")
+        yield Row("a run that compiles what quickstart needs", compiling_quickstart(folder), "s of CPU", wanted="12")
 
 
 if __name__ == "__main__":
-    main()
+    show(rows())

@@ -9,7 +9,7 @@ independently and uniformly from their ranges: a log of a simulation repeats its
 import argparse
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +17,7 @@ from google.protobuf.descriptor_pool import DescriptorPool
 from google.protobuf.message_factory import GetMessageClass
 from mcap_protobuf.writer import Writer
 
+from benchmarks.rows import Row, number, show
 from visitlab_cli.log.reader import read_metadata, read_steps
 from visitlab_cli.log.schema import STEP_NS, STEP_TOPIC, file_descriptor
 from visitlab_cli.log.writer import StepRecorder
@@ -83,29 +84,33 @@ def cpu_seconds(write: Callable[[Path, str, StepColumns], None], path: Path, tas
     return min(seconds)
 
 
-def compare(name: str, task: str, columns: StepColumns, folder: Path) -> None:
-    """Print one line of the table."""
+def of_log(name: str, task: str, columns: StepColumns, folder: Path) -> Iterator[Row]:
+    """What these steps cost and take."""
     ours, stock = folder / "ours.mcap", folder / "stock.mcap"
     steps = len(columns.trial)
     our_cost = cpu_seconds(record, ours, task, columns) / steps
     stock_steps = min(steps, STEPS_OF_STOCK_WRITER)
     stock_cost = cpu_seconds(record_with_stock_writer, stock, task, columns) / stock_steps
-    print(
-        f"{name:24} {our_cost * 1e6:8.2f} {ours.stat().st_size / steps:8.1f}"
-        f" {stock_cost * 1e6:10.1f} {stock.stat().st_size / stock_steps:10.1f} {stock_cost / our_cost:8.0f}"
-    )
+    beside = f"mcap-protobuf {number(1e6 * stock_cost)}"
+    yield Row(f"recording {name}", 1e6 * our_cost, "us of CPU a step", beside, our_cost / stock_cost)
+    sizes = ours.stat().st_size / steps, stock.stat().st_size / stock_steps
+    yield Row(f"log of {name}", sizes[0], "bytes a step", f"mcap-protobuf {number(sizes[1])}", sizes[0] / sizes[1])
+
+
+def rows(logs: Sequence[Path] = ()) -> Iterator[Row]:
+    """Of logs, or of uniform steps of each task."""
+    with tempfile.TemporaryDirectory() as folder:
+        for log in logs:
+            name = "/".join(log.parts[-4:-2])
+            yield from of_log(name, read_metadata(log)["task"], logged_steps(log), Path(folder))
+        for task in () if logs else TASK_NAMES:
+            yield from of_log(f"{task}, uniform", task, drawn_steps(task), Path(folder))
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("logs", nargs="*", type=Path, metavar="LOG", help="a steps.mcap of a run")
-    logs = parser.parse_args().logs
-    print(f"{'':24} {'us/step':>8} {'B/step':>8} {'stock us':>10} {'stock B':>10} {'faster':>8}")
-    with tempfile.TemporaryDirectory() as folder:
-        for log in logs:
-            compare("/".join(log.parts[-4:-2]), read_metadata(log)["task"], logged_steps(log), Path(folder))
-        for task in () if logs else TASK_NAMES:
-            compare(f"{task}, uniform", task, drawn_steps(task), Path(folder))
+    show(rows(parser.parse_args().logs))
 
 
 if __name__ == "__main__":

@@ -18,6 +18,8 @@ from visitlab_cli.scores.rows import read_rows, shipped_rows
 ROWS = Path(__file__).with_name("rows")
 ROOT = Path(__file__).parents[2]
 BUILT_IN = ROOT / "configs" / "agents" / "built-in.yaml"
+
+
 @pytest.fixture
 def copied(tmp_path):
     return shutil.copytree(ROWS, tmp_path / "rows")
