@@ -5,7 +5,7 @@ import pytest
 from tests.config.lab import LAB, Complain, Load, edited
 
 NAME_RULE = "a name has 1 to 64 of A-Z a-z 0-9 . _ - and starts with a letter or digit"
-TOP_KEYS = "agents, expected, experiments, humans, include, interaction, labs, name, record, seed, seeds, vary"
+TOP_KEYS = "agents, expected, experiments, figure, humans, include, interaction, labs, name, record, seed, seeds, vary"
 
 ONE_LINE = [
     # humans

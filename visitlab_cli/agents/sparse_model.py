@@ -156,9 +156,9 @@ def sweep(model: SparseModel, q: Table, values: Table, gamma: float, known: int,
         new, visits, rewards = flat[begin:end], model.visits[begin:end], model.mean_rewards[begin:end]
         first, length = model.first[begin:end], model.length[begin:end]
         tried = 0
-        for pair in range(len(new)):
-            left[tried] = pair
-            tried += visits[pair] >= known
+        for row in range(len(new)):
+            left[tried] = row
+            tried += visits[row] >= known
         n_left = 0
         for place in range(tried):
             pair = Index(left[place])
@@ -176,10 +176,10 @@ def sweep(model: SparseModel, q: Table, values: Table, gamma: float, known: int,
                 longer += length[pair] > column + 1
             n_left = longer
             column += 1
-        for pair in range(len(new)):
-            known_value = rewards[pair] + gamma * new[pair] / max(float(visits[pair]), 1.0)
-            other_value = unvisited if fill_unvisited and visits[pair] == 0 else new[pair]
-            new[pair] = known_value if visits[pair] >= known else other_value
+        for row in range(len(new)):
+            known_value = rewards[row] + gamma * new[row] / max(float(visits[row]), 1.0)
+            other_value = unvisited if fill_unvisited and visits[row] == 0 else new[row]
+            new[row] = known_value if visits[row] >= known else other_value
 
 
 def saved_model(model: SparseModel, n_actions: int, prefix: str = "") -> Saved:
