@@ -61,7 +61,8 @@ def test_a_run_with_nothing_to_draw(copy):
         (
             ["--only", "fig5"],
             2,
-            "--only fig5: no such figure; there are fig6, fig7, fig8, fig9, doors, grid, phases, visits",
+            "--only fig5: no such figure; "
+            "there are fig6, fig7, fig8, fig9, curves, doors, grid, meetings, phases, visits",
         ),
         (["--format", "gif"], 2, "--format gif: must be svg, png, pdf"),
     ],

@@ -165,6 +165,24 @@ def test_a_shell_runs_some_at_once(tmp_path, out):
     assert shards(tmp_path)[-1].startswith("2/")
 
 
+@pytest.mark.parametrize(
+    ("words", "at_once", "line"),
+    [
+        (["9"], "1", "9: no such shard; there are 1 2 3 4 5 6"),
+        (["1 2"], "1", "1 2: no such shard; there are 1 2 3 4 5 6"),
+        ([], "x", "AT_ONCE=x: must be a number of shards, from 1 on"),
+        ([], "0", "AT_ONCE=0: must be a number of shards, from 1 on"),
+    ],
+)
+def test_a_shell_script_is_asked_for_what_there_is_none_of(words, at_once, line, tmp_path, out):
+    assert submit(tmp_path, out, "--shell", "--cells-per-job", "3").returncode == 0
+    script = the_run(out) / "jobs" / "shell.sh"
+    command, environment = ["bash", script, *words], os.environ | {"AT_ONCE": at_once}
+    done = subprocess.run(command, env=environment, check=False, capture_output=True, text=True)
+    assert (done.returncode, done.stdout, done.stderr) == (2, "", f"{script}: {line}\n")
+    assert not list(script.parent.glob("*.log"))
+
+
 def test_a_shard_that_fails_is_the_scripts_failure_and_the_others_run(tmp_path, out):
     fails = "if '2/' in sys.argv[sys.argv.index('--shard') + 1]: sys.exit(4)"
     done = submit(tmp_path, out, "--shell", "--cells-per-job", "3", "--go", does=fails)

@@ -83,6 +83,7 @@ def test_every_task_kind_of_agent_controller_and_belief(tmp_path):
     assert done.stdout == f"{len(plan(load(tmp_path / 'stopped.yaml')))} cells\n", done.stdout + done.stderr
 
 
+@pytest.mark.slow
 def test_compiled_and_with_more_in_the_log_than_the_checkpoint_knows(tiny_run, tmp_path, monkeypatch):
     """As a kill leaves it: every second block has a checkpoint."""
     after_block, blocks = checkpoints.Checkpoints.after_block, []

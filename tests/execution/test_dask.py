@@ -147,6 +147,7 @@ def test_steps_are_told_and_a_cell_stops_after_its_block(cells, pool, tmp_path):
     assert not list((tmp_path / "run").glob(".tmp-probe-*"))
 
 
+@pytest.mark.slow
 def test_a_worker_that_joins_later_is_used_if_it_is_as_the_program(cells, cluster, pool, tmp_path, monkeypatch):
     opened = pool(cells())
     before = opened.count

@@ -160,7 +160,7 @@ def test_shards_one_after_the_other_give_the_same_bytes(tiny_run, tmp_path):
     assert not list(the_run(tmp_path).glob(".*"))
 
 
-@pytest.mark.parametrize("word", ["0/2", "3/2", "2", "1/0", "1/2/3", "-1/2", "1/ 2", "x", "1/9999999", "٣/٤"])
+@pytest.mark.parametrize("word", ["", "0/2", "3/2", "2", "1/0", "1/2/3", "-1/2", "1/ 2", "x", "1/9999999", "٣/٤"])
 @pytest.mark.parametrize("command", ["run", "train", "eval"])
 def test_a_shard_that_is_none_is_one_line(word, command, tmp_path):
     done = visitlab(command, TINY, "--out", tmp_path, f"--shard={word}")

@@ -25,7 +25,6 @@ HELP = Help(
     "Look",
     place=5,
     examples=(
-        "visitlab affordances quickstart --experiment social --json",
         "visitlab affordances quickstart --intents --threshold 0.5 --trials 200",
         "visitlab affordances friends --models --experiment multi",
     ),

@@ -67,7 +67,7 @@ class Modules(Settings):
     go_to_human: ModuleName = Field(description="the module that brings the robot in front of the human")
     social: SocialModule = Field(
         description="the social module, which decides and goes on learning; or {pool: [...], prior_strength: 20}, "
-        "several as one"
+        "several as one, whose prior_strength is 20 if left out"
     )
 
     @property

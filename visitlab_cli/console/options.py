@@ -27,13 +27,15 @@ def _use_plugins(named: list[Path] | None) -> list[Path] | None:
     return named
 
 
-def _check_shard(word: str) -> str:
+def _check_shard(context: typer.Context, word: str) -> str:
+    source = context.get_parameter_source("shard")
+    given = source is None or source.name != "DEFAULT"  # an empty one is a variable that was not set
     found = re.fullmatch(r"([1-9]\d{0,5})/([1-9]\d{0,5})", word, re.ASCII)
-    if word and (found is None or int(found[1]) > int(found[2])):
+    if given and (found is None or int(found[1]) > int(found[2])):
         from visitlab_cli.errors import UsageError
         from visitlab_cli.wording import printable
 
-        raise UsageError(f"--shard {printable(word)}: must be I/N, such as 2/8, with I from 1 to N")
+        raise UsageError(f"--shard {printable(word) or 'without a word'}: must be I/N, such as 2/8, with I from 1 to N")
     return word
 
 

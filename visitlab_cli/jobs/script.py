@@ -34,8 +34,15 @@ INDICES = {
 }
 ALL_HERE = """\
 if [ $# -gt 0 ]; then
-    run_shard "$1"
+    for shard in "${shards[@]}"; do
+        if [ "$shard" = "$1" ]; then run_shard "$1"; fi
+    done
+    echo "$0: $1: no such shard; there are ${shards[*]}" >&2
+    exit 2
 fi
+case "$at_once" in
+    '' | *[!0-9]* | 0*) echo "$0: AT_ONCE=$at_once: must be a number of shards, from 1 on" >&2; exit 2 ;;
+esac
 set -m # each shard in a group of its own: what stops this script stops each of them once
 stop() {
     trap '' INT TERM HUP

@@ -11,7 +11,7 @@ from typing import NamedTuple
 from visitlab_cli.agents.registry import KINDS
 from visitlab_cli.agents.uniform_random import RandomParameters
 from visitlab_cli.plan.cells import Cell
-from visitlab_cli.world.tasks import SOCIAL
+from visitlab_cli.world.tasks import SOCIAL, VISIT
 
 LOG_BYTES = 11_000.0
 """A log without steps: schema, config, index."""
@@ -28,6 +28,12 @@ WITHOUT_COUNTS = 0.25
 
 PLAIN = 8.0
 """Microseconds of a step of an agent in plain Python that does not tell them: of a table of Q-learning."""
+
+
+SWEEP_SECONDS = 0.35e-3
+"""A sweep of a model that has met most of the social task, and longer than any of the other tasks'."""
+USUALLY = {VISIT: 100}
+"""How often is planned by what `microseconds_a_step` tells, where that is not by the kind's own default."""
 
 
 class Estimate(NamedTuple):
@@ -56,7 +62,16 @@ def seconds_of(cell: Cell) -> float:
     agent = RandomParameters if cell.frozen else cell.config.agents[cell.agent]  # frozen: neither learns nor plans
     told = agent.microseconds_a_step.get(cell.task, PLAIN if not agent.compiled() else _dearest(cell.task))
     planning = cell.trials * cell.settings.seconds_a_trial
-    return cell.settings.plays.costs.seconds + planning + cell.steps * told / 1e6
+    return cell.settings.plays.costs.seconds + planning + cell.steps * (told / 1e6 + _more_sweeps(cell))
+
+
+def _more_sweeps(cell: Cell) -> float:
+    """Seconds a step for planning more often than usual."""
+    often = None if cell.frozen else getattr(cell.learner, "plan_every", None)
+    if often is None:
+        return 0.0
+    usual = USUALLY.get(cell.task, type(cell.learner).model_fields["plan_every"].default)
+    return SWEEP_SECONDS * max(0.0, 1 / int(often) - 1 / int(usual))
 
 
 def _dearest(task: str) -> float:
