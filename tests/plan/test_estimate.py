@@ -17,10 +17,12 @@ def seconds(path, *overrides):
 
 @pytest.mark.parametrize(("often", "sweeps"), [(10, STEPS / 10), (1000, STEPS / 1000), (5000, STEPS / 1000)])
 def test_who_plans_more_often_than_usual_is_told_to_take_longer(often, sweeps):
-    told = [seconds("social/mb/", f"experiments.social.steps={STEPS}", f"agents.mb.plan_every={n}") for n in (1000, often)]
+    steps = f"experiments.social.steps={STEPS}"
+    told = [seconds("social/mb/", steps, f"agents.mb.plan_every={n}") for n in (1000, often)]
     assert told[1] - told[0] == pytest.approx(SWEEP_SECONDS * (sweeps - STEPS / 1000))
 
 
 def test_a_visit_plans_as_it_says_itself():
-    told = [seconds("visit/fast/", "experiments.visit.trials=1000", f"experiments.visit.plan_every={n}") for n in (100, 1)]
+    trials = "experiments.visit.trials=1000"
+    told = [seconds("visit/fast/", trials, f"experiments.visit.plan_every={n}") for n in (100, 1)]
     assert told[1] - told[0] == pytest.approx(SWEEP_SECONDS * (100_000 - 1_000), rel=0.1)
