@@ -6,12 +6,15 @@ Some twenty minutes of two quiet cores. What is compared is measured side by sid
 """
 
 import argparse
-import importlib
+import json
 import os
 import platform
+import subprocess
+import sys
+from collections.abc import Iterator
 from pathlib import Path
 
-from benchmarks.rows import markdown, show
+from benchmarks.rows import Row, markdown, show
 
 TITLES = {
     "simulation": "Playing and recording, one core",
@@ -38,6 +41,16 @@ def machine() -> str:
     return f"{os.cpu_count()} cores of {model}, Python {platform.python_version()}, numba {numba.__version__}"
 
 
+def in_new_process(name: str) -> Iterator[Row]:
+    """The rows of a module, each as it comes; memory is told of what runs below a process of its own."""
+    program = f"import json\nfrom benchmarks.{name} import rows\nfor row in rows(): print(json.dumps(row), flush=True)"
+    with subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, text=True) as process:
+        for line in process.stdout or ():
+            yield Row(*json.loads(line))
+    if process.returncode:
+        sys.exit(f"benchmarks.{name} failed")
+
+
 def main() -> None:
     """Measure, print, and write the page."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -47,7 +60,7 @@ def main() -> None:
     page = [TEMPLATE.read_text().replace("MACHINE", machine())]
     for name in asked.only or TITLES:
         print(f"\n{TITLES[name]} (python -m benchmarks.{name})")
-        rows = show(importlib.import_module(f"benchmarks.{name}").rows())
+        rows = show(in_new_process(name))
         page.append(f"## {TITLES[name]}\n\n`python -m benchmarks.{name}`\n\n{markdown(rows)}")
     if asked.page:
         asked.page.write_text("\n".join(page))
