@@ -92,6 +92,8 @@ def use_only(names: Sequence[str | Path]) -> None:
 def versions_of(kinds: Iterable[type]) -> dict[str, str]:
     """What a run's folder keeps of the kinds of others: a package's version, of a file a part of its sha256."""
     modules = {kind.__module__ for kind in kinds if is_others(getattr(sys.modules[kind.__module__], "__file__", ""))}
+    if not modules:  # who looks through all packages looks long
+        return {}
     by_file = {_name(path): path for path in files()}
     found = {}
     for section in GROUPS:

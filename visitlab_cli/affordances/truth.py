@@ -27,7 +27,7 @@ from visitlab_cli.world.enums import (
     InteractionLevel,
 )
 from visitlab_cli.world.geometry import DISTANCES, is_appropriate, make_geometry
-from visitlab_cli.world.lab import ALL_OPEN, make_lab
+from visitlab_cli.world.lab import ALL_OPEN, arena_of
 from visitlab_cli.world.robot import move_of, moved
 from visitlab_cli.world.scene import NOWHERE, Body, next_scene, reaction
 from visitlab_cli.world.social import teleported
@@ -121,7 +121,7 @@ def _levels_in_vision(human: SixParameters, distances: Sequence[int]) -> Table:
 
     The human may move at random and look elsewhere in that step; the robot's heading is random. Far from borders.
     """
-    lab = make_lab(WIDE, WIDE)
+    lab = arena_of(WIDE)
     geometry, middle = make_geometry(lab.rows, lab.cols, distances), lab.rows // 2
     found = np.zeros((N_DIRECTIONS, FIRST_ENGAGED))
     nothing = Engagement.NONE.value, Action.STAY.value

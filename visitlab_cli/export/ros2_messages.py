@@ -14,7 +14,7 @@ import numpy.typing as npt
 from visitlab_cli.scene.trial import Trial
 from visitlab_cli.scene.words import open_doors_in
 from visitlab_cli.world.enums import N_DIRECTIONS, Direction
-from visitlab_cli.world.lab import ALL_OPEN, SOLID, Lab, make_lab
+from visitlab_cli.world.lab import ALL_OPEN, SOLID, Lab, arena_of
 from visitlab_cli.world.sight import Doors
 
 FRAME = "map"
@@ -70,7 +70,7 @@ class Messages:
     def grid(self) -> Any:
         """The world as an occupancy grid, `PARTS` parts a cell: occupied along each side that can't be crossed."""
         trial = self.trial
-        lab = trial.lab if trial.arena is None else make_lab(trial.arena, trial.arena)
+        lab = trial.lab if trial.arena is None else arena_of(trial.arena)
         cells = occupied(lab, open_doors_in(trial.steps))[::-1]  # from the south on
         height, width = cells.shape
         corner = self.point(0, trial.rows)

@@ -4,6 +4,7 @@ Bearings are whole hundredths of 45 degrees, so that the bounds of the visual fi
 """
 
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -35,6 +36,11 @@ class Geometry(NamedTuple):
 
 def make_geometry(rows: int, cols: int, distances: Sequence[int] = DISTANCES) -> Geometry:
     """The tables of a grid of `rows` x `cols` cells with the four `distances` thresholds, in cells."""
+    return _tables(rows, cols, tuple(distances))
+
+
+@lru_cache(maxsize=8)
+def _tables(rows: int, cols: int, distances: tuple[int, ...]) -> Geometry:
     reach = max(rows, cols) - 1
     differences = np.arange(-reach, reach + 1)
     north, east = np.meshgrid(differences, differences, indexing="ij")
@@ -42,7 +48,7 @@ def make_geometry(rows: int, cols: int, distances: Sequence[int] = DISTANCES) ->
     bearing = np.rint(turns * HUNDREDTHS).astype(np.int64) % CIRCLE
     nearest = np.rint(bearing / HUNDREDTHS)  # a tie goes to the even one, as in TASK.md
     chebyshev = np.maximum(abs(north), abs(east))
-    category = np.searchsorted(np.asarray(distances), chebyshev, side="left")
+    category = np.searchsorted(distances, chebyshev, side="left")
     return Geometry(reach, bearing, (nearest % N_DIRECTIONS).astype(np.int64), category.astype(np.int64))
 
 

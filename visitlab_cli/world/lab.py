@@ -5,8 +5,9 @@ after the other; that one table holds the borders, the walls and the rule for di
 walls back: `doors` says which doors a unit step needs open, one bit a door, and a scene says which ones are.
 """
 
+import weakref
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from functools import cache
+from functools import cache, lru_cache
 from types import MappingProxyType
 from typing import NamedTuple
 
@@ -66,18 +67,18 @@ class _About(NamedTuple):
     closed: Mapping[str, npt.NDArray[np.bool_]]
 
 
-_about: dict[Lab, _About] = {}
-"""Of every lab that was made."""
+_about: dict[int, _About] = {}
+"""Of every lab that is in use, by the address of its `rooms`."""
 
 
 def room_names(lab: Lab) -> tuple[str, ...]:
     """What the rooms are called, by their numbers: letters, or the numbers themselves."""
-    return _about[lab].names
+    return _about[id(lab.rooms)].names
 
 
 def goals_of(lab: Lab) -> tuple[int, ...]:
     """The rooms that may be goals, ascending."""
-    return _about[lab].goals
+    return _about[id(lab.rooms)].goals
 
 
 def starts_of(lab: Lab) -> npt.NDArray[np.int64]:
@@ -152,7 +153,9 @@ def make_lab(
     )
     names = tuple(letters) or tuple(map(str, range(n_rooms)))
     may_be_shut = tuple(named) or tuple(map(str, range(len(doors))))
-    _about[lab] = _About(names, tuple(range(n_rooms)) if goals is None else tuple(goals), may_be_shut, kept_shut)
+    about = _About(names, tuple(range(n_rooms)) if goals is None else tuple(goals), may_be_shut, kept_shut)
+    _about[id(plan)] = about
+    weakref.finalize(plan, _about.pop, id(plan)).atexit = False
     return lab
 
 
@@ -220,7 +223,7 @@ def borders_of(lab: Lab, open_doors: int) -> list[Wall]:
 def shut_steps(lab: Lab, open_doors: int) -> npt.NDArray[np.bool_]:
     """Whether a unit step crosses one of these doors: shape (rows, cols, 8)."""
     shut = np.zeros(lab.reach.shape, np.bool_)
-    for crossed in _about[lab].closed.values():
+    for crossed in _about[id(lab.rooms)].closed.values():
         shut |= crossed
     if isinstance(lab.doors, Doors):
         shut |= (lab.doors.needed & ~np.int64(open_doors)) != 0
@@ -229,7 +232,7 @@ def shut_steps(lab: Lab, open_doors: int) -> npt.NDArray[np.bool_]:
 
 def names_of_shut(lab: Lab, open_doors: int) -> list[str]:
     """The names of these doors, in order."""
-    about = _about[lab]
+    about = _about[id(lab.rooms)]
     return sorted([*about.closed, *(name for door, name in enumerate(about.doors) if not open_doors >> door & 1)])
 
 
@@ -254,6 +257,12 @@ def paper_lab() -> Lab:
     """The paper's: 3 x 3 rooms of 8 x 8 cells, numbered row by row from the north-west, without walls."""
     rows = np.arange(24) // 8
     return make_lab(24, 24, rooms=rows[:, None] * 3 + rows[None, :])
+
+
+@lru_cache(maxsize=4)
+def arena_of(cells: int) -> Lab:
+    """A square of `cells` x `cells` cells, all one room, without walls."""
+    return make_lab(cells, cells)
 
 
 def _random_cell(walls, rows, cols, random):  # type: ignore[no-untyped-def]

@@ -17,7 +17,7 @@ from visitlab_cli.world.enums import (
 )
 from visitlab_cli.world.geometry import DISTANCES, Geometry, make_geometry
 from visitlab_cli.world.human import follows_in_direction, react
-from visitlab_cli.world.lab import Lab, make_lab, move
+from visitlab_cli.world.lab import Lab, arena_of, move
 from visitlab_cli.world.perception import Levels, Perception, begun, perceived
 from visitlab_cli.world.robot import acted
 from visitlab_cli.world.scene import (
@@ -61,7 +61,7 @@ def make_social(
     perception: Perception | None = None,
 ) -> Social:
     """The task in an arena of `arena` x `arena` cells, so wide that the human does not reach its borders."""
-    lab, geometry = make_lab(arena, arena), make_geometry(arena, arena, distances)
+    lab, geometry = arena_of(arena), make_geometry(arena, arena, distances)
     return Social(lab, geometry, human, trial_steps, direction_change, perception or Levels())
 
 
