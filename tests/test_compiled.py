@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import visitlab_cli
-from visitlab_cli.compiled import JIT_DISABLED, KERNEL_SOURCES, operations
+from visitlab_cli.compiled import JIT_DISABLED, KERNEL_SOURCES, kernel, operations
 from visitlab_cli.sources import files_of, is_others
 
 ROOT = Path(visitlab_cli.__file__).parent
@@ -35,3 +35,19 @@ def test_what_counts_no_references_gives_back_no_arrays():
     rules = {function.__qualname__: get_type_hints(function).get("return") for function in compiled()}
     assert rules
     assert [name for name, hint in rules.items() if hint is None or holds_arrays(hint)] == []
+
+
+def test_a_kernel_is_compiled_for_python_where_python_calls_it_only():
+    @kernel
+    def doubled(number):
+        return 2 * number
+
+    @kernel
+    def six_times(number):
+        return 3 * doubled(number)
+
+    assert six_times(7) == 42
+    assert JIT_DISABLED or not doubled.signatures
+    assert doubled(7) == 14
+    assert six_times(0.5) == 3.0
+    assert JIT_DISABLED or (len(six_times.signatures), len(doubled.signatures)) == (2, 1)

@@ -8,6 +8,9 @@ folder for just what they are, so that ours stays as it is.
 Who calls a kernel holds the arrays that it works on, so ours count no references to them: for each array of each
 record that goes from one function to another that would cost more than most rules do. So a kernel makes no arrays
 and gives none back; `array_kernel` may, and code of others.
+
+A kernel is called from Python, or by other kernels, and is compiled for each by itself: what takes records apart for
+Python is a third of compiling, and most kernels are only ever called by others.
 """
 
 import hashlib
@@ -41,8 +44,8 @@ KERNEL_SOURCES = (
     "agents",
     "simulation",
 )
-_UNCOUNTED: Any = {"_nrt": False}
-"""How numba compiles what counts no references."""
+_UNCOUNTED: Any = {"_nrt": False, "no_cfunc_wrapper": True}
+"""How numba compiles what counts no references, and is never called by C."""
 _settings: Any = numba.config
 JIT_DISABLED = bool(_settings.DISABLE_JIT)
 _registered: dict[type, list[Callable[..., Any]]] = {}
@@ -113,11 +116,21 @@ def array_kernel(function: Function) -> Function:
 
 def _kernel(function: Function, forceinline: bool, counts: bool = False) -> Function:
     counts = is_others(function.__code__.co_filename) or counts
-    compiler: Any = numba.njit
-    dispatcher = compiler(nogil=True, forceinline=forceinline, _nrt=counts)(function)
+    options = {"nogil": True, "forceinline": forceinline, "_nrt": counts, "no_cfunc_wrapper": True}
+    dispatcher = _cached(function, "", options)
     if not JIT_DISABLED:
-        dispatcher._cache = CacheByCode(function, lambda given: place_of(records_in(given), function).folder)
+        inner = _cached(function, ".inner", {**options, "no_cpython_wrapper": True})
+        dispatcher.get_call_template, dispatcher.get_overload = inner.get_call_template, inner.get_overload
     return cast(Function, dispatcher)
+
+
+def _cached(function: Callable[..., Any], ending: str, options: dict[str, Any]) -> Any:
+    """A function as numba compiles it by `options`, kept in files of this ending."""
+    compiler: Any = numba.njit
+    dispatcher = compiler(**options)(function)
+    if not JIT_DISABLED:
+        dispatcher._cache = CacheByCode(function, ending, lambda given: place_of(records_in(given), function).folder)
+    return dispatcher
 
 
 class Operation:

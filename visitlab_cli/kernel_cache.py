@@ -124,12 +124,12 @@ class KernelCache(_caching.FunctionCache):  # type: ignore[misc]
     damage_found: ClassVar[Callable[[], None]] = staticmethod(lambda: None)
     """Called where something that is kept is damaged, before it is made anew."""
 
-    def __init__(self, function: Any) -> None:
-        """A cache in the folder that numba is configured to use."""
+    def __init__(self, function: Any, ending: str) -> None:
+        """A cache in the folder that numba is configured to use; names of its files have this ending."""
         super().__init__(function)
         self._cache_file = _CheckedFiles(
             cache_path=self._cache_path,
-            filename_base=self._impl.filename_base,
+            filename_base=self._impl.filename_base + ending,
             source_stamp=self._impl.locator.get_source_stamp(),
         )
 
@@ -154,9 +154,9 @@ class KernelCache(_caching.FunctionCache):  # type: ignore[misc]
 class CacheByCode(_caching.NullCache):  # type: ignore[misc]
     """The caches of one kernel, one a folder: whose code its machine code holds is known only as it is compiled."""
 
-    def __init__(self, function: Any, folder_of: Callable[[Any], Path | None]) -> None:
+    def __init__(self, function: Any, ending: str, folder_of: Callable[[Any], Path | None]) -> None:
         """For a kernel whose machine code for some types belongs in the folder that `folder_of` them says."""
-        self._function, self._folder_of = function, folder_of
+        self._function, self._ending, self._folder_of = function, ending, folder_of
         self._caches: dict[Path | None, Any] = {None: _caching.NullCache()}
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
@@ -170,16 +170,16 @@ class CacheByCode(_caching.NullCache):  # type: ignore[misc]
     def _cache(self, sig: Any) -> Any:
         folder = self._folder_of(_signatures.normalize_signature(sig)[0])
         if folder is not None and folder not in self._caches:
-            self._caches[folder] = _cache_in(folder, self._function)
+            self._caches[folder] = _cache_in(folder, self._function, self._ending)
         return self._caches[folder]
 
 
-def _cache_in(folder: Path, function: Any) -> Any:
+def _cache_in(folder: Path, function: Any, ending: str) -> Any:
     """The cache of a kernel in a folder; one that keeps nothing if that fails."""
     before = _settings.CACHE_DIR
     _settings.CACHE_DIR = str(folder)  # while it is made: other people's kernels keep their own place
     try:
-        return KernelCache(function)
+        return KernelCache(function, ending)
     except (OSError, RuntimeError):
         return _caching.NullCache()
     finally:
