@@ -28,7 +28,7 @@ from visitlab_cli.storage.locks import HeldError, Lock, lock
 from visitlab_cli.world.columns import StepColumns
 
 COMPILED = "compiled-"
-SECONDS = 4
+SECONDS = 2.5
 """What compiling the loop of a pair takes on an ordinary core; with a controller that plans it is five times that."""
 COMPILING = ".compiling"
 """The file in the cache that is locked by who compiles."""
