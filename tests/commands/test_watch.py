@@ -9,10 +9,14 @@ from tests.program import TINY, the_run, visitlab
 from visitlab_cli.config.loading import load
 from visitlab_cli.console import watching
 from visitlab_cli.console.watching import text
+from visitlab_cli.errors import Interrupted
+from visitlab_cli.execution.versions import versions
 from visitlab_cli.plan.cells import plan
 from visitlab_cli.results.watching import Watch
+from visitlab_cli.sources import sources
 from visitlab_cli.storage import locks
 from visitlab_cli.storage.cell_folder import NewCell
+from visitlab_cli.storage.checkpoint_file import NAMES, write
 from visitlab_cli.storage.claims import Claims, claim_file
 
 CONFIG = "experiments={navigation: {task: navigation, agents: [mf, mb], steps: 2000}}"
@@ -59,6 +63,28 @@ def test_it_tells_what_is_done_and_what_is_being_done(run, monkeypatch):
     assert lines[-1].endswith(f"process {os.getpid()}  75%  1,500 of 2,000 steps")
     claims.close()
     assert watch.look().cells == []
+
+
+def test_a_cell_that_was_left_counts_as_it_would_be_gone_on_from(run):
+    config = load(run / "config.yaml")
+    cell, other = [cell for cell in plan(config) if not (run / cell.path).exists()]
+    ours = {"config_hash": cell.run_hash, "sources": sources(config.kinds), "versions": versions(config.kinds)}
+    for each, facts in ((cell, ours), (other, ours | {"sources": "of another version"})):
+        with pytest.raises(Interrupted), NewCell(run, each.path) as new:
+            for name, steps in zip(NAMES, (1200, 900), strict=True):
+                write(new.folder, name, json.dumps(facts | {"cell": each.path, "steps": steps}).encode() + b"\n")
+            raise Interrupted("stopped")
+    told = json.loads(visitlab("runs", "watch", run, "--json").stdout)
+    assert (told["steps_done"], told["under_way"]) == (5200, [])
+    assert told["left"] == [{"cell": cell.path, "steps": 2000, "steps_done": 1200}]
+    lines = visitlab("runs", "watch", run).stdout.splitlines()
+    assert lines[1] == "2 of 4 cells, 0 under way, 1 to go on with, 65% of the steps"
+    assert lines[-1] == f"{cell.path}  nobody now, to be gone on with  60%  1,200 of 2,000 steps"
+    claims = Claims(run)  # who goes on has told no steps yet
+    claims.take(cell.path)
+    (each,) = Watch(run, config).look().as_json()["under_way"]
+    assert each["steps_done"] == 1200
+    claims.close()
 
 
 def test_who_is_long_silent_is_told(run):

@@ -1,4 +1,4 @@
-"""What `visitlab runs watch` shows: a bar for each group of cells, and a line for each cell that is being done."""
+"""What `visitlab runs watch` shows: a bar for each group of cells, a line for each that is being done or was left."""
 
 import time
 from collections.abc import Callable
@@ -45,15 +45,17 @@ def text(look: "Look", left: float | None = None, lines: int | None = None) -> s
     """How far a run is, in at most so many `lines`; `left` are the seconds that it will take, where they are known."""
     whole = look.whole
     cells = f"{whole.done} of {whole.cells} cells, {len(look.cells)} under way"
+    cells += f", {len(look.left)} to go on with" if look.left else ""
     head = f"{cells}, {whole.share:.0%} of the steps"
     if left is not None and whole.done < whole.cells:
         head += f", about {duration(left)} left"
     groups = look.groups
-    running = aligned([_row(*each) for each in look.cells], words=2).splitlines() if look.cells else []
+    rows = [_row(*each) for each in look.cells] + [_row_of_left(*each) for each in look.left]
+    running = aligned(rows, words=2).splitlines() if rows else []
     if lines is not None:
         if HEAD + len(groups) + 1 + len(running) > lines:  # what is done tells least
             groups = {name: part for name, part in groups.items() if part.done < part.cells} or groups
-        running = _first(running, max(FEWEST_LINES, lines - HEAD - 1 - len(groups)), "cells under way")
+        running = _first(running, max(FEWEST_LINES, lines - HEAD - 1 - len(groups)), "cells begun")
     bars = aligned([_bar(name, part) for name, part in groups.items()], words=2).splitlines()
     if lines is not None:
         bars = _first(bars, max(FEWEST_LINES, lines - HEAD - 1 - len(running)), "groups")
@@ -73,5 +75,12 @@ def _row(each: "UnderWay", cell: "Cell") -> list[str]:
     where = f"{each.owner.host} process {each.owner.process}"
     if each.silent >= SILENT_SECONDS:
         where += f", no sign of life for {age_in_words(each.silent)}"
-    steps = min(each.steps, cell.steps)
-    return [each.cell, where, f"{steps / cell.steps:.0%}", f"{steps:,} of {cell.steps:,} steps"]
+    return [each.cell, where, *_how_far(min(each.steps, cell.steps), cell)]
+
+
+def _row_of_left(steps: int, cell: "Cell") -> list[str]:
+    return [cell.path, "nobody now, to be gone on with", *_how_far(steps, cell)]
+
+
+def _how_far(steps: int, cell: "Cell") -> list[str]:
+    return [f"{steps / cell.steps:.0%}", f"{steps:,} of {cell.steps:,} steps"]

@@ -1,17 +1,19 @@
-"""How far a run is, whoever does it and wherever: what is done, and what is being done, looked at repeatedly."""
+"""How far a run is, whoever does it and wherever: what is done, is being done or was left, looked at repeatedly."""
 
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from visitlab_cli.config.model import Config
+from visitlab_cli.execution.versions import versions
 from visitlab_cli.plan.cells import Cell, plan
 from visitlab_cli.plan.estimate import seconds_of
 from visitlab_cli.plan.evaluation import Evaluation, recorded_evaluations
 from visitlab_cli.results.evaluated import cells_of
 from visitlab_cli.results.groups import groups_of
-from visitlab_cli.storage.cell_folder import read_cell
-from visitlab_cli.storage.under_way import UnderWay, under_way
+from visitlab_cli.sources import sources
+from visitlab_cli.storage.cell_folder import SOURCES, read_cell
+from visitlab_cli.storage.under_way import UnderWay, checkpoints_stated, under_way
 
 
 class Part(NamedTuple):
@@ -35,12 +37,16 @@ class Part(NamedTuple):
 
 
 class Look(NamedTuple):
-    """A run at one moment: all of it, its groups of cells by their paths, and the cells that are being done."""
+    """A run at one moment: all of it, its groups of cells by their paths, and the cells that are being done.
+
+    `left` are those that nobody does now, with the steps from which they would be gone on with here.
+    """
 
     run: Path
     whole: Part
     groups: dict[str, Part]
     cells: list[tuple[UnderWay, Cell]]
+    left: list[tuple[int, Cell]]
 
     def as_json(self) -> dict[str, Any]:
         """As plain values."""
@@ -56,7 +62,8 @@ class Look(NamedTuple):
             for each, cell in self.cells
         ]
         groups = [{"name": name, **part.as_json()} for name, part in self.groups.items()]
-        return {"run": str(self.run), **self.whole.as_json(), "groups": groups, "under_way": cells}
+        left = [{"cell": cell.path, "steps": cell.steps, "steps_done": steps} for steps, cell in self.left]
+        return {"run": str(self.run), **self.whole.as_json(), "groups": groups, "under_way": cells, "left": left}
 
 
 class Watch:
@@ -84,18 +91,37 @@ class Watch:
         for cell in (*self._cells, *played):
             if cell.path not in self._done and read_cell(self._run / cell.path) is not None:
                 self._done.add(cell.path)
-        begun = {cell.group for cell in played if cell.path in self._done or cell.path in now}
+        steps = self._kept({cell.path: cell for cell in (*self._cells, *played)})
+        for path, each in now.items():
+            now[path] = each._replace(steps=max(each.steps, steps.get(path, 0)))  # it has begun to go on
+            steps[path] = now[path].steps
+        begun = {cell.group for cell in played if cell.path in self._done or cell.path in steps}
         cells = [*self._cells, *(cell for cell in played if cell.group in begun)]
-        groups = {group.path: self._part(group.cells, now) for group in groups_of(cells)}
-        running = [(now[cell.path], cell) for cell in cells if cell.path in now and cell.path not in self._done]
-        return Look(self._run, self._part(cells, now), groups, running)
+        groups = {group.path: self._part(group.cells, steps) for group in groups_of(cells)}
+        to_do = [cell for cell in cells if cell.path in steps and cell.path not in self._done]
+        running = [(now[cell.path], cell) for cell in to_do if cell.path in now]
+        left = [(steps[cell.path], cell) for cell in to_do if cell.path not in now]
+        return Look(self._run, self._part(cells, steps), groups, running, left)
 
-    def _part(self, cells: Iterable[Cell], now: dict[str, UnderWay]) -> Part:
+    def _kept(self, cells: dict[str, Cell]) -> dict[str, int]:
+        """The steps of the newest checkpoint of each cell that this program would go on from."""
+        found: dict[str, int] = {}
+        for told in checkpoints_stated(self._run):
+            cell, steps = cells.get(str(told.get("cell"))), told.get("steps")
+            if cell is None or type(steps) is not int or not 0 < steps <= cell.steps:
+                continue
+            kinds = cell.config.kinds
+            ours = {"config_hash": cell.run_hash, SOURCES: sources(kinds), "versions": versions(kinds)}
+            if ours.items() <= told.items():
+                found[cell.path] = max(steps, found.get(cell.path, 0))
+        return found
+
+    def _part(self, cells: Iterable[Cell], steps_of: dict[str, int]) -> Part:
         number = done = steps = steps_done = 0
         cost = cost_done = 0.0
         for cell in cells:
             is_done = cell.path in self._done
-            of_cell = cell.steps if is_done else min(now[cell.path].steps, cell.steps) if cell.path in now else 0
+            of_cell = cell.steps if is_done else min(steps_of.get(cell.path, 0), cell.steps)
             seconds = self._cost(cell)
             number, done, steps, steps_done = number + 1, done + is_done, steps + cell.steps, steps_done + of_cell
             cost, cost_done = cost + seconds, cost_done + seconds * of_cell / cell.steps

@@ -1,10 +1,11 @@
-"""Which cells of a run are being done, where, and how far they are: from the lock files in its folder alone."""
+"""Which cells of a run are being done, where, and how far they and those that were left are: from its folder alone."""
 
 import time
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from visitlab_cli.storage.cell_folder import LOCK, is_left_over, temporaries
+from visitlab_cli.storage.checkpoint_file import NAMES, stated
 from visitlab_cli.storage.claims import CLAIM, Owner, owner_of
 from visitlab_cli.storage.locks import told_in
 
@@ -32,6 +33,12 @@ def under_way(run: Path) -> list[UnderWay]:
             claim = found.get(each.cell)
             found[each.cell] = each if claim is None else each._replace(silent=min(each.silent, claim.silent))
     return sorted(found.values())
+
+
+def checkpoints_stated(run: Path) -> list[dict[str, Any]]:
+    """What the checkpoints of a run say that are not yet part of a finished cell."""
+    folders = [path for path in temporaries(run) if path.is_dir()]
+    return [told for folder in folders for name in NAMES if (told := stated(folder / name))]
 
 
 def _told(file: Path) -> UnderWay | None:

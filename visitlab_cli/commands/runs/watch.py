@@ -27,8 +27,9 @@ def command(
 ) -> None:
     """Show how far a run is, whoever does it and wherever, until it is done. Ends with Ctrl-C, and changes nothing.
 
-    A bar for each module and visit; below, each cell under way: on which machine, by which process, how many steps.
-    Where the output is no terminal, and with --json, it tells that once.
+    A bar for each module and visit; below, each cell under way: on which machine, by which process, how many steps;
+    and those that nobody does now, with the steps from which they would be gone on with here. Where the output is no
+    terminal, and with --json, it tells that once.
     """
     from visitlab_cli.console.watching import follow, text
     from visitlab_cli.results.watching import Watch
