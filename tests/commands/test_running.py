@@ -12,7 +12,11 @@ import pytest
 
 from tests.program import COMMAND, TINY, hashes, the_run, visitlab
 from visitlab_cli.config.files import shipped_configs
+from visitlab_cli.config.loading import load
+from visitlab_cli.console.running import held_run
+from visitlab_cli.errors import RunError
 from visitlab_cli.storage.arrays import read_model, read_trials
+from visitlab_cli.storage.locks import RUN_LOCK, lock
 
 EXPECTING = """
 expected:
@@ -256,6 +260,27 @@ def test_a_folder_that_cannot_be_made(tmp_path):
     assert done.returncode == 4
     assert done.stderr.startswith(f"{tmp_path / 'file'}/tiny-")
     assert done.stderr.endswith("can't be written: Not a directory\n")
+
+
+def test_a_start_that_fails_leaves_no_run(tmp_path):
+    config, runs = load(TINY), tmp_path / "runs"
+    with pytest.raises(RunError, match="no scheduler"), held_run(runs, config, print):
+        raise RunError("no scheduler")
+    assert list(runs.iterdir()) == []
+    with held_run(runs, config, print) as (run, _):
+        pass
+    with pytest.raises(RunError, match="no scheduler"), held_run(runs, config, print):
+        raise RunError("no scheduler")
+    assert list(runs.iterdir()) == [run]
+
+
+def test_a_start_that_fails_leaves_what_others_have_begun(tmp_path):
+    config = load(TINY)
+    with pytest.raises(RunError, match="no scheduler"), held_run(tmp_path, config, print) as (run, _):
+        other = lock(run / RUN_LOCK, shared=True)
+        raise RunError("no scheduler")
+    other.release(remove=True)
+    assert {path.name for path in run.iterdir()} == {"config.yaml", "versions.json"}
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="root may write everywhere")

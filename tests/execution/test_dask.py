@@ -224,9 +224,26 @@ def test_files_that_are_no_schedulers(tmp_path):
         (tmp_path / str(number)).write_text(text)
         with pytest.raises(RunError, match="is no scheduler file of Dask"):
             At("", tmp_path / str(number)).resolved()
-    for address in ("127.0.0.1:8786", "http://127.0.0.1:80", "tcp://a b:1", "tcp://x:1\n"):
-        with pytest.raises(UsageError, match="must be tcp://HOST:PORT"):
-            At(address).resolved()
+
+
+@pytest.mark.parametrize(
+    "address",
+    [
+        *("127.0.0.1:8786", "http://127.0.0.1:80", "tcp://a b:1", "tcp://x:1\n", "tcp://x", "tcp://x:", "tcp://:1"),
+        *("tcp://x:0", "tcp://x:65536", "tcp://x:99999", "tcp://x:٣", "tcp://1.2.3:1", "tcp://1.2.3.456:1"),
+        *("tcp://-x:1", "tcp://a..b:1", "tcp://.:1", "tcp://[::1:1", "tcp://[1::2::3]:1", "tcp://[x]:1"),
+    ],
+)
+def test_what_can_be_no_address_is_not_waited_for(address):
+    with pytest.raises(UsageError, match="must be tcp://HOST:PORT or tls://HOST:PORT, with a port from 1 to 65535"):
+        At(address).resolved()
+
+
+@pytest.mark.parametrize(
+    "address", ["tcp://x:1", "tls://node_1.lab-2.org:65535", "tcp://10.0.0.1:8786", "tcp://[::1]:1"]
+)
+def test_what_can_be_an_address_is_one(address):
+    assert At(address).resolved() == address
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from visitlab_cli.console.words import aligned
-from visitlab_cli.errors import RunError, UsageError
+from visitlab_cli.errors import Interrupted, RunError, UsageError, VisitlabError
 from visitlab_cli.terminal import plain, tell, tell_json, tell_text
 
 if TYPE_CHECKING:
@@ -84,24 +84,35 @@ def run_config(out: Path, config: "Config", cells_of: "Callable[[Config], list[C
         run_and_tell(folder, config, cells_of(config), how)
         return
     with held_run(out, config, lambda line: tell(line, err=True)) as (folder, config):
-        run_and_tell(folder, config, cells_of(config), how)
+        cells = cells_of(config)
+        failures = run_missing(folder, cells, how)
+    _tell_results(folder, config, cells, failures, how)
 
 
 @contextmanager
 def held_run(out: Path, config: "Config", say: "Callable[[str], None]") -> "Iterator[tuple[Path, Config]]":
     """The folder of a config's run below `out`, made or mended and held while it is written, and what it stands for.
 
+    One that was made here goes again where the block fails before anything is in it.
+
     Raises:
         RunError: it can't be written, or is being removed.
     """
     from visitlab_cli.execution.versions import versions
     from visitlab_cli.storage.locks import being_written
-    from visitlab_cli.storage.run_folder import mend_config, open_run, run_folder
+    from visitlab_cli.storage.removal import remove_unbegun
+    from visitlab_cli.storage.run_folder import mend_config, open_run, run_folder, run_name
 
-    with being_written(run_folder(out, config), say):
-        if mended := mend_config(out, config):
-            say(mended)
-        yield open_run(out, config, versions(config.kinds))
+    is_new = not (out / run_name(config)).exists()
+    try:
+        with being_written(run_folder(out, config), say):
+            if mended := mend_config(out, config):
+                say(mended)
+            yield open_run(out, config, versions(config.kinds))
+    except VisitlabError as error:
+        if is_new and not isinstance(error, Interrupted):
+            remove_unbegun(out / run_name(config))
+        raise
 
 
 def run_and_tell(run: Path, config: "Config", cells: "Sequence[Cell]", how: How) -> None:
@@ -113,7 +124,10 @@ def run_and_tell(run: Path, config: "Config", cells: "Sequence[Cell]", how: How)
         RunError: a cell failed, or a value is not what the config expects.
         UsageError: quiet and verbose at once.
     """
-    failures = run_missing(run, cells, how)
+    _tell_results(run, config, cells, run_missing(run, cells, how), how)
+
+
+def _tell_results(run: Path, config: "Config", cells: "Sequence[Cell]", failures: "Failures | None", how: How) -> None:
     if failures is None:
         return
     from visitlab_cli.results.expected import results

@@ -55,7 +55,11 @@ ALONE_SECONDS = 300.0
 CLOSE_SECONDS = 10.0
 AHEAD = 2
 """Cells that are given to the cluster for each worker: the next one is there when one ends."""
-ADDRESS = re.compile(r"(?P<scheme>tcp|tls)://(?P<host>[A-Za-z0-9._-]+|\[[0-9A-Fa-f:.]+\]):(?P<port>[0-9]{1,5})")
+_LABEL = r"[A-Za-z0-9_]([A-Za-z0-9_-]{0,61}[A-Za-z0-9_])?"
+_ADDRESS = re.compile(
+    rf"(?P<scheme>tcp|tls)://(?P<host>{_LABEL}(\.{_LABEL})*\.?|\[[0-9A-Fa-f:.]+\]):(?P<port>[0-9]{{1,5}})", re.ASCII
+)
+LARGEST_PORT = 65535
 OWN = {
     "distributed.scheduler.allowed-failures": DEATHS_GIVEN_UP - 1,
     "distributed.worker.profile.enabled": False,
@@ -92,8 +96,9 @@ class At(NamedTuple):
             RunError: the file is not a scheduler's.
         """
         if self.scheduler_file is None:
-            if self.address and not ADDRESS.fullmatch(self.address):
-                raise UsageError(f"--address {printable(self.address)}: must be tcp://HOST:PORT or tls://HOST:PORT")
+            if self.address and _parts(self.address) is None:
+                form = f"tcp://HOST:PORT or tls://HOST:PORT, with a port from 1 to {LARGEST_PORT}"
+                raise UsageError(f"--address {printable(self.address)}: must be {form}")
             return self.address
         name = printable(str(self.scheduler_file))
         try:
@@ -104,7 +109,7 @@ class At(NamedTuple):
             raise RunError(f"{name}: can't be read: {reason(error)}") from error
         except (ValueError, KeyError, TypeError):
             address = None
-        if not isinstance(address, str) or not ADDRESS.fullmatch(address):
+        if not isinstance(address, str) or _parts(address) is None:
             raise RunError(f"{name}: is no scheduler file of Dask")
         return address
 
@@ -391,9 +396,23 @@ async def _answers(client: Any, workers: list[str], terms: Terms) -> dict[str, s
     return dict(zip(workers, await asyncio.gather(*map(one, workers)), strict=True))
 
 
+def _parts(address: str) -> "re.Match[str] | None":
+    """The scheme, host and port of an address; None where it can be none."""
+    found = _ADDRESS.fullmatch(address)
+    if found is None or not 0 < int(found["port"]) <= LARGEST_PORT:
+        return None
+    host = found["host"].strip("[]")
+    if ":" in host or host.replace(".", "").isdigit():
+        try:
+            ipaddress.ip_address(host)
+        except ValueError:
+            return None
+    return found
+
+
 def _is_exposed(address: str) -> bool:
     """Whether others than those on this machine may reach an address, unencrypted."""
-    found = ADDRESS.fullmatch(address)
+    found = _parts(address)
     if found is None or found["scheme"] == "tls" or found["host"] == "localhost":
         return found is None
     try:

@@ -1,5 +1,6 @@
 """Taking things away: what is no use in a run, and a whole run. Never a file of the user's, never through a link."""
 
+import contextlib
 import os
 import re
 import shutil
@@ -177,6 +178,16 @@ def remove_run(run: Path) -> None:
             run.rmdir()
         except OSError as error:
             raise RunError(f"{run}: can't be removed: {one_line(error)}") from error
+
+
+def remove_unbegun(run: Path) -> None:
+    """Remove a run's folder that has only what it was made with; not while somebody writes in it."""
+    made_with = {RUN_LOCK, CONFIG, VERSIONS}
+    with contextlib.suppress(OSError, RunError), to_remove(run):
+        if {path.name for path in run.iterdir()} <= made_with:
+            for name in made_with:
+                (run / name).unlink(missing_ok=True)
+            run.rmdir()
 
 
 def _remove(path: Path) -> None:
