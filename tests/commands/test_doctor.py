@@ -49,9 +49,19 @@ def test_what_a_folder_of_runs_can_do(tmp_path):
     assert "visitlab" not in found
     assert all(found[name]["value"] == f"{tmp_path}: works" for name in ("creates", "locks", "renames", "times"))
     assert list(tmp_path.iterdir()) == []
+    assert found["runs"]["value"].endswith(f"; it is not there yet, and a run makes it: this is of {tmp_path}")
+    (tmp_path / "runs").mkdir()
+    assert "not there" not in findings("--runs", tmp_path / "runs")[1]["runs"]["value"]
+
+
+def test_where_no_folder_of_runs_can_be_made(tmp_path):
     (tmp_path / "file").touch()
-    done, found = findings("--runs", tmp_path / "file" / "runs")
-    assert (done.returncode, found["runs"]["state"]) == (4, "problem")
+    (tmp_path / "link").symlink_to(tmp_path / "nothing")
+    for place in ("file", "file/runs", "link", "link/runs"):
+        done, found = findings("--runs", tmp_path / place)
+        assert (done.returncode, found["runs"]["state"]) == (4, "problem")
+    done = visitlab("doctor", "--runs", tmp_path / ("x" * 300))
+    assert (done.returncode, done.stderr.count("\n")) == (4, 1)
 
 
 @pytest.mark.parametrize("package", ["pyarrow", "matplotlib"])

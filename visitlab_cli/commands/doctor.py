@@ -41,7 +41,11 @@ def command(
     out: Out = RUNS,
     runs: Annotated[
         Path | None,
-        typer.Option("--runs", metavar="FOLDER", help="Only what this folder can do of that which a cluster needs."),
+        typer.Option(
+            "--runs",
+            metavar="FOLDER",
+            help="Only what this folder, or the one in which it would be made, can do of that which a cluster needs.",
+        ),
     ] = None,
     as_json: Json = False,
 ) -> None:
@@ -106,8 +110,8 @@ def _cache(out: Path) -> Iterator[Finding]:
 
 
 def _there(out: Path) -> Path:
-    """The folder, or what of the way to it there is."""
-    return next(place for place in (out.absolute(), *out.absolute().parents) if place.exists())
+    """The folder, or what of the way to it there is: a run makes the rest, though not through a link to nowhere."""
+    return next(place for place in (out.absolute(), *out.absolute().parents) if place.exists() or place.is_symlink())
 
 
 def _writable(there: Path) -> bool:
@@ -116,13 +120,13 @@ def _writable(there: Path) -> bool:
 
 def _disk(out: Path) -> Iterator[Finding]:
     there = _there(out)
-    free = shutil.disk_usage(there).free
     if not _writable(there):
         yield Finding("runs", f"{out}: can't be written; choose another with --out", "problem")
-    elif free < LITTLE_SPACE:
-        yield Finding("runs", f"{out}: only {free / 1e9:.1f} GB free", "note")
-    else:
-        yield Finding("runs", f"{out}: {free / 1e9:.0f} GB free")
+        return
+    free = shutil.disk_usage(there).free
+    space = f"only {free / 1e9:.1f} GB free" if free < LITTLE_SPACE else f"{free / 1e9:.0f} GB free"
+    made = "" if there == out.absolute() else f"; it is not there yet, and a run makes it: this is of {there}"
+    yield Finding("runs", f"{out}: {space}{made}", "note" if free < LITTLE_SPACE else "ok")
 
 
 WITHOUT = {
@@ -186,6 +190,8 @@ def _fast(out: Path) -> Iterator[Finding]:
 
 def _files(out: Path) -> Iterator[Finding]:
     there = _there(out)
+    if not _writable(there):
+        return
     told = os.statvfs(there)
     if told.f_files == 0:
         yield Finding("files", f"{there}: as many as there is room for")
