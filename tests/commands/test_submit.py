@@ -15,7 +15,10 @@ from platformdirs import user_cache_path
 
 from tests.jobs.queues import fake_visitlab, lines_of, program, queue
 from tests.program import TINY, hashes, only_cells, the_run, visitlab
+from visitlab_cli.jobs.packing import Job, Packing
+from visitlab_cli.jobs.script import SLURM, Request, check
 
+REQUEST = Request(SLURM, Path("runs/a-01234567"), 1, Packing(1, (Job(1, 1, 1.0),)), 1, 60, "visitlab", 1, 10, "again")
 STRANGE = "runs with: 'quotes' \"two\" $HOME `id` %j ünï 迷 \\ -x"
 CELLS = 17
 
@@ -61,6 +64,11 @@ def told(done):
         (["--shell", "--time", "1:00:00"], "--time: is for a queue, and --shell has none"),
         (["--shell", "--memory", "4G"], "--memory: is for a queue, and --shell has none"),
         (["--slurm", "--partition", "a b"], "--partition a b: must be one plain word"),
+        (["--slurm", "--memory", "lots"], "--memory lots: must be a number of K, M, G or T, such as 4G\n"),
+        (["--slurm", "--memory", "4gb"], "--memory 4gb: must be a number of K, M, G or T, such as 4G\n"),
+        (["--pbs", "--memory", "4.5gb"], "--memory 4.5gb: must be a number of kb, mb, gb or tb, such as 4gb\n"),
+        (["--slurm", "--directive", "mail"], "--directive mail: must be an option of sbatch, such as --mail-type=END"),
+        (["--pbs", "--directive", "--mail"], "--directive --mail: must be an option of qsub, such as '-m e'\n"),
         (
             ["--slurm", "--directive", "--mem=4G\ntouch x"],
             "--directive: must be one line; give the option once for each",
@@ -127,6 +135,25 @@ def test_what_the_queue_is_told(tmp_path):
     first = next(number for number, line in enumerate(lines) if line and not line.startswith("#"))
     assert lines[first] == "module load python"
     assert f"{sys.executable} -P -m visitlab_cli run" in script.read_text()
+
+
+@pytest.mark.parametrize(
+    ("system", "words"),
+    [
+        *(("slurm", ["--memory", memory]) for memory in ("4000", "0", "4G", "512m", "1T")),
+        *(("pbs", ["--memory", memory]) for memory in ("4gb", "400MB", "1024kw", "4g", "4096")),
+        *(("slurm", ["--directive", text]) for text in ("--nice=10", "-C haswell", "--exclusive", "--mail-user a@b.c")),
+        *(("pbs", ["--directive", text]) for text in ("-m e", "-l place=excl", "-Wgroup_list=lab")),
+    ],
+)
+def test_what_a_queue_understands_is_let_through(system, words):
+    memory, directives = (words[1], ()) if words[0] == "--memory" else ("", (words[1],))
+    check(REQUEST._replace(system=system, memory=memory, directives=directives))
+
+
+def test_the_command_that_goes_on_is_not_the_one_that_only_tells(tmp_path):
+    done = visitlab("submit", TINY, "--slurm", "--dry-run", "--json", "--memory", "4G", cwd=tmp_path)
+    assert shlex.split(told(done)["again"])[2:] == ["&&", "visitlab", "submit", str(TINY), "--slurm", "--memory", "4G"]
 
 
 def test_text_of_the_user_never_becomes_a_line_of_the_script(tmp_path):

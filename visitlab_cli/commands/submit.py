@@ -40,7 +40,7 @@ def command(
     account: Annotated[str, typer.Option(help="Who pays.")] = "",
     memory: Annotated[str, typer.Option(help="Of a job, as the queue writes it: 4G (SLURM), 4gb (PBS).")] = "",
     directive: Annotated[
-        list[str] | None, typer.Option(metavar="TEXT", help="A further #SBATCH or #PBS line; may be repeated.")
+        list[str] | None, typer.Option(metavar="TEXT", help="A further #SBATCH or #PBS option; may be repeated.")
     ] = None,
     prologue: Annotated[
         list[str] | None,

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 
 ARRAY_LIMIT = 1000
 """Jobs of an array where the site does not say."""
+ONLY_TELLING = {"--dry-run", "--json"}
+"""Flags that the command that goes on is without."""
 
 
 class Asked(NamedTuple):
@@ -126,12 +128,12 @@ def watch(run: Path) -> str:
 
 
 def this_command() -> str:
-    """The command that this program was started with, from any folder."""
+    """The command that this program was started with, from any folder; without what only tells of it."""
     try:
         here = f"cd {shlex.quote(os.getcwd())} && "
     except OSError:  # it is gone
         here = ""
-    return here + shlex.join(["visitlab", *sys.argv[1:]])
+    return here + shlex.join(["visitlab", *(word for word in sys.argv[1:] if word not in ONLY_TELLING)])
 
 
 def _lines(request: "Request", cells: int, missing: int) -> list[str]:

@@ -5,7 +5,9 @@ a path with a space, a colon or a percent sign differs. The program takes the pl
 the signal that comes before a job's time is over, stops at the next block, and leaves what is whole.
 """
 
+import re
 import shlex
+from collections.abc import Iterable
 from pathlib import Path
 from typing import NamedTuple
 
@@ -14,6 +16,7 @@ from visitlab_cli.jobs.packing import Packing, in_clock
 from visitlab_cli.origin import JOB_LOG, SCRIPT
 from visitlab_cli.storage.on_disk import JOBS
 from visitlab_cli.terminal import plain
+from visitlab_cli.wording import printable
 
 SLURM, PBS, SHELL = "slurm", "pbs", "shell"
 MARKS = {SLURM: "#SBATCH", PBS: "#PBS"}
@@ -21,6 +24,15 @@ WARNING = 60
 """Seconds before the end at which SLURM asks a job to end."""
 INDEX = "VISITLAB_INDEX"
 """The variable that says the index of a job that is in no array, which PBS has none of one job."""
+MEMORY = {
+    SLURM: (re.compile(r"\d{1,9}[KMGT]?", re.ASCII | re.IGNORECASE), "a number of K, M, G or T, such as 4G"),
+    PBS: (re.compile(r"\d{1,15}[KMGTP]?[BW]?", re.ASCII | re.IGNORECASE), "a number of kb, mb, gb or tb, such as 4gb"),
+}
+"""What each queue calls an amount of memory, and how it is told to a user."""
+DIRECTIVE = {
+    SLURM: (re.compile(r"--?[A-Za-z].*"), "an option of sbatch, such as --mail-type=END"),
+    PBS: (re.compile(r"-[A-Za-z].*"), "an option of qsub, such as '-m e'"),
+}
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 
 CACHE = """\
@@ -102,10 +114,10 @@ class Request(NamedTuple):
 
 
 def check(request: Request) -> None:
-    """Refuse what can't stand in a script.
+    """Refuse what can't stand in a script, or can mean nothing to the queue.
 
     Raises:
-        UsageError: a line break, or a path that is not text.
+        UsageError: a line break, memory that is no amount, what is no option of the queue, or a path that is not text.
     """
     for name in ("partition", "account", "memory"):
         if any(letter.isspace() or letter in "#'\"\\" for letter in getattr(request, name)):
@@ -117,10 +129,19 @@ def check(request: Request) -> None:
     ):
         if any("\n" in line or "\r" in line or "\0" in line for line in lines):
             raise UsageError(f"--{name}: must be one line; give the option once for each")
+    if request.system in MARKS:
+        _check_forms("memory", [request.memory] if request.memory else [], *MEMORY[request.system])
+        _check_forms("directive", request.directives, *DIRECTIVE[request.system])
     try:
         str(request.run).encode()
     except UnicodeEncodeError:
         raise UsageError(f"{request.run}: its path is not UTF-8; choose another folder with --out") from None
+
+
+def _check_forms(name: str, given: Iterable[str], form: re.Pattern[str], words: str) -> None:
+    for each in given:
+        if not form.fullmatch(each):
+            raise UsageError(f"--{name} {printable(each) or 'without a word'}: must be {words}")
 
 
 def submissions(request: Request, script: Path) -> list[list[str]]:
