@@ -204,8 +204,66 @@ def test_visits_with_phases_are_compared_phase_by_phase(tmp_path):
         ("fast phase 1", 1.0, 1.0, "all of the phase"),
     ]
     assert {pair.as_json()["measure"] for pair in pairs} == {"goals a trial, all of the phase"}
+    assert [pair.where for pair in compare_by(run, plan, "experiment", 1).pairs] == ["fast phase 1"]
     with pytest.raises(UsageError, match="the run has no such key; known: agent, human, experiment, phase$"):
         compare_by(run, plan, "fooled")
+
+
+POOLED = """
+  social_fast: {task: social, agents: [mb], humans: [fast], steps: 400}
+  pooled:
+    task: visit
+    modules:
+      navigation: navigation/mf
+      go_to_human: go_to_human/mb
+      social: {pool: [social/mb/slow, social_fast/mb/fast], prior_strength: 20}
+    humans: [slow]
+  by_fast:
+    task: visit
+    modules: {navigation: navigation/mf, go_to_human: go_to_human/mb, social: social_fast/mb/fast}
+    humans: [slow]
+  strangers:
+    task: visit
+    modules: {navigation: other/mf, go_to_human: other_way/mb, social: other_social/mb/slow}
+    humans: [slow]
+  other: {task: navigation, agents: [mf], steps: 400}
+  other_way: {task: go_to_human, agents: [mb], steps: 400}
+  other_social: {task: social, agents: [mb], humans: [slow], steps: 400}
+"""
+
+
+def test_visits_with_some_modules_in_common_are_paired_also_with_a_pool(tmp_path):
+    run, cells = open_lab(tmp_path, more=POOLED)
+    numbers = {"visit/slow": [1, 5, 9], "pooled/slow": [3, 6, 13], "by_fast/slow": [0, 5], "strangers/slow": [1, 2, 3]}
+    found = {path: n for name, each in numbers.items() for path, n in values(name, each).items()}
+    pairs = compare_by(run, reach(run, cells, found), "experiment").pairs
+    assert [(pair.first.name, pair.second.name, pair.paired, pair.n, pair.difference.mean) for pair in pairs] == [
+        ("visit", "pooled", True, 3, pytest.approx(7 / 3)),
+        ("visit", "by_fast", True, 2, -0.5),
+        ("visit", "strangers", False, 3, -3.0),
+    ]
+
+
+def test_agents_are_compared_in_one_phase(tmp_path):
+    more = """
+  swap:
+    task: social
+    agents: [mb, mf]
+    phases: [{trials: 2, human: slow}, {trials: 3, human: fast}]
+"""
+    run, cells = open_lab(tmp_path, more=more)
+    for seed in range(3):
+        write_cell(run, cells[f"swap/mb/phases/seed-{seed:04d}"], [1, 3, 0, 0, 3])
+        write_cell(run, cells[f"swap/mf/phases/seed-{seed:04d}"], [5, 5, 2, 2, 2 + seed])
+    plan = list(cells.values())
+    (pair,) = compare_by(run, plan, "agent", 1).pairs
+    assert (pair.where, pair.first.name, pair.second.name) == ("swap fast phase 1", "mb", "mf")
+    assert (pair.first.mean, pair.second.mean, pair.part) == (1.0, pytest.approx(7 / 3), "all of the phase")
+    assert pair.difference.half > 0
+    with pytest.raises(UsageError, match="--phase 2: the run has none such; phases are 0 to 1"):
+        compare_by(run, plan, "agent", 2)
+    with pytest.raises(NotFoundError, match="nothing that is done differs in human alone"):
+        compare_by(run, plan, "human", 1)
 
 
 @pytest.mark.parametrize("key", ["agent", "experiments.visit.modules.social"])

@@ -53,6 +53,9 @@ def command(
     variant: Annotated[
         list[str] | None, typer.Option(help="Look for causes in this run, too; may be repeated.", metavar="RUN")
     ] = None,
+    phase: Annotated[
+        int | None, typer.Option(min=0, help="With --by and phases: all trials of this one, from 0, instead.")
+    ] = None,
     first: First = FIRST_TRIALS,
     margin: Annotated[float, typer.Option(min=0, help="How far, in reward a trial, is still the same.")] = 0.5,
     page: Annotated[
@@ -67,6 +70,7 @@ def command(
     With a curve: agrees, differs or undecided, and why; causes are looked for in all runs of the folder that RUN
     lies in, and in each --variant. Else: difference with 95% interval, seeds, probability of improvement.
     """
+    from visitlab_cli.console.phases import PHASE
     from visitlab_cli.errors import NotFoundError, UsageError
     from visitlab_cli.execution.runner import missing_cells
     from visitlab_cli.paper.judging.comparison import compare
@@ -77,6 +81,8 @@ def command(
 
     if not math.isfinite(margin):
         raise UsageError(f"--margin {margin}: must be a number")
+    if phase is not None and by in (None, PHASE):
+        raise UsageError("--phase: goes with --by agent, human, experiment or the path of a setting")
     folder = find_run(run, out)
     if by is not None or other is not None:
         if variant or (by is not None and other is not None):
@@ -84,12 +90,12 @@ def command(
         if page is not None:
             raise UsageError("--page: is for the published curves; leave OTHER and --by out")
         from visitlab_cli.console.pairs import tell_by, tell_runs
-        from visitlab_cli.console.phases import PHASE, tell_phases
+        from visitlab_cli.console.phases import tell_phases
 
         if by == PHASE:
             tell_phases(folder, first, as_json)
         elif by is not None:
-            tell_by(folder, by, as_json)
+            tell_by(folder, by, phase, as_json)
         elif other is not None:
             tell_runs(folder, find_run(other, out), as_json)
         return

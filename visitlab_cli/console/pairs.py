@@ -15,17 +15,18 @@ if TYPE_CHECKING:
 MOST_NAMED = 6
 
 
-def tell_by(folder: Path, key: str, as_json: bool) -> None:
-    """Print all pairs of conditions of a run that differ in `key` alone."""
+def tell_by(folder: Path, key: str, phase: int | None, as_json: bool) -> None:
+    """Print all pairs of conditions of a run, or of a phase of it, that differ in `key` alone."""
     from visitlab_cli.plan.cells import plan
-    from visitlab_cli.results.pairs import compare_by
+    from visitlab_cli.results.pairs import EXPERIMENT, compare_by
     from visitlab_cli.storage.run_folder import read_config
 
     cells = plan(read_config(folder))
-    compared = compare_by(folder, cells, key)
-    notes = _left_out(f"nothing differs from it in {key} alone", compared.alone)
+    compared = compare_by(folder, cells, key, phase)
+    notes = ["By experiment some modules that are the same are enough to be paired."] if key == EXPERIMENT else []
+    notes += _left_out(f"nothing differs from it in {key} alone", compared.alone)
     notes += _by_different_code({folder: cells})
-    told = {"run": str(folder), "by": key, "not_compared": compared.alone}
+    told = {"run": str(folder), "by": key, "phase": phase, "not_compared": compared.alone}
     _tell(told, compared.pairs, notes, as_json)
 
 

@@ -1,8 +1,8 @@
 """Conditions two by two: agents, humans, visits, values of a varied setting in a run, or the same in two runs.
 
-Seeds are paired where the same seed means the same luck: visits that play with the same trained modules, and the
-same cell of two runs with the same root seed, which draws the same random numbers. Other seeds are independent:
-the random numbers of a cell depend on its path.
+Seeds are paired where the same seed means the same luck: visits that play with the same trained modules (by experiment
+with some that are the same), and the same cell of two runs with the same root seed, which draws the same random
+numbers. Other seeds are independent: the random numbers of a cell depend on its path.
 """
 
 import json
@@ -13,16 +13,16 @@ from pathlib import Path
 from statistics import fmean
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from visitlab_cli.errors import NotFoundError, UsageError
 from visitlab_cli.plan.cells import Cell
 from visitlab_cli.plan.saved import trials_of
 from visitlab_cli.results.estimates import Estimate, difference_of, mean_of, probability_of_improvement
 from visitlab_cli.results.groups import Group, Measure, Point, groups_of, reached, unit_values
+from visitlab_cli.results.units import unit_of
 from visitlab_cli.settings import as_yaml
 from visitlab_cli.storage.cell_folder import read_cell
 from visitlab_cli.wording import or_else
+from visitlab_cli.world.tasks import SOCIAL
 
 AGENT, HUMAN, EXPERIMENT, PHASE = "agent", "human", "experiment", "phase"
 """What conditions may differ in; what came of each phase is told by `results.phases`."""
@@ -108,18 +108,24 @@ class _Member(NamedTuple):
     part: str = LAST_TENTH
 
 
-def compare_by(run: Path, cells: Sequence[Cell], key: str) -> Compared:
+def compare_by(run: Path, cells: Sequence[Cell], key: str, phase: int | None = None) -> Compared:
     """All pairs of conditions of a run that differ in `key` alone: agent, human, experiment, or a path that varies.
 
     What varies of an agent or a human itself belongs to it: each of its settings is compared with each other agent
     or human. The agent of a visit is that of its social module, so that visits which differ in it alone are compared,
     whatever the experiments are called.
 
-    By experiment visits are compared, each with the first one of modules of the same agents and with the same human,
-    whatever else they have otherwise; with phases phase by phase.
+    By experiment visits are compared, each with the first one of modules of the same agents (of a pool they are one
+    agent) and with the same human, whatever else they have otherwise; with phases phase by phase.
+
+    Args:
+        run: the run's folder.
+        cells: its plan.
+        key: what they differ in.
+        phase: that of all with phases all trials of this one are compared, and nothing else.
 
     Raises:
-        UsageError: the run has no such key.
+        UsageError: the run has no such key, or nothing with such a phase.
         NotFoundError: nothing that is done differs in it.
     """
     groups = groups_of(cells)
@@ -127,13 +133,20 @@ def compare_by(run: Path, cells: Sequence[Cell], key: str) -> Compared:
     known += dict.fromkeys(path for group in groups for path, _ in group.point)
     if key not in known:
         raise UsageError(f"--by {key}: the run has no such key{or_else(key, known)}")
-    members = [each for group in groups for each in _members(run, group, key)]
+    last = max(len(cell.settings.phases) for cell in cells) - 1
+    if phase is not None and phase > last:
+        there = f"phases are 0 to {last}" if last >= 0 else "it has no phases"
+        raise UsageError(f"--phase {phase}: the run has none such; {there}")
+    members = [each for group in groups for each in _members(run, group, key, phase)]
     pairs, paired, seconds = [], set(), set()
     for (_, first), (number, second) in combinations(enumerate(members), 2):
         place = None if key == EXPERIMENT and number in seconds else _place(first, second, key)
         if place is not None:
             both = first.group, second.group
-            pair = _pair(place, both, first.reached, second.reached, same_luck=True)
+            sides = first.reached, second.reached
+            if key == EXPERIMENT:
+                sides = _by_common_modules(sides[0], *both), _by_common_modules(sides[1], *both[::-1])
+            pair = _pair(place, both, *sides, same_luck=True)
             pairs.append(pair._replace(part=first.part))
             paired |= {first.group.path, second.group.path}
             seconds.add(number)
@@ -169,33 +182,43 @@ def compare_runs(first: tuple[Path, Sequence[Cell]], second: tuple[Path, Sequenc
     return Compared(pairs, alone)
 
 
-def _members(run: Path, group: Group, key: str) -> Iterator[_Member]:
+def _members(run: Path, group: Group, key: str, phase: int | None) -> Iterator[_Member]:
     """A group seen by `key`: none, one, or by experiment one for each phase."""
     if key == EXPERIMENT:
-        yield from _visits(run, group)
-    elif (member := _member(run, group, key)) is not None:
+        yield from _visits(run, group, phase)
+    elif (member := _member(run, group, key, phase)) is not None:
         yield member
 
 
-def _visits(run: Path, group: Group) -> Iterator[_Member]:
+def _visits(run: Path, group: Group, only: int | None) -> Iterator[_Member]:
     """A visit, or each phase of it, where it is done."""
     settings, own = group.cells[0].settings, {path for path in dict(group.point) if _belongs(path, group, EXPERIMENT)}
     if not settings.assembled:
         return
-    agents = [start.agent for start in settings.starts.values()]
-    trials = np.cumsum((0, *settings.phase_trials)).tolist()
-    parts: list[tuple[list[str], str, Measure]] = [
-        (
-            [phase.met, f"phase {number}"],
-            WHOLE_PHASE,
-            partial(_mean_of_trials, trials[number : number + 2]),
-        )
-        for number, phase in enumerate(settings.phases)
-    ]
-    for where, part, measure in parts or [([group.human], LAST_TENTH, reached)]:
+    agents = [settings.starts[role].agent for role in (*settings.steering, SOCIAL)]
+    parts = [_phase(group, number) for number in range(len(settings.phases)) if only in (None, number)]
+    if not parts and only is None:
+        parts = [([group.human], LAST_TENTH, reached)]
+    for where, part, measure in parts:
         if found := unit_values(run, group.cells, measure):
             alike = json.dumps([agents, *where])
             yield _Member(group, group.experiment, alike, where, dict(group.point), own, found, part)
+
+
+def _phase(group: Group, number: int) -> tuple[list[str], str, Measure]:
+    """Where a phase of a group is compared, which trials count, and what they come to."""
+    settings = group.cells[0].settings
+    begins = sum(settings.phase_trials[:number])
+    measure = partial(_mean_of_trials, (begins, begins + settings.phase_trials[number]))
+    met = settings.phases[number].met
+    return [*([met] if met else []), f"phase {number}"], WHOLE_PHASE, measure
+
+
+def _by_common_modules(values: Values, group: Group, other: Group) -> Values:
+    """What each unit reached, named by those of its modules with which the other visits play, too, if there are any."""
+    theirs = {path for cell in other.cells for path in cell.modules.values()}
+    common = {unit_of(cell): sorted(theirs.intersection(cell.modules.values())) for cell in group.cells}
+    return {" ".join(common[unit]) or unit: value for unit, value in values.items()}
 
 
 def _mean_of_trials(between: Sequence[int], run: Path, cell: Cell) -> float | None:
@@ -205,20 +228,23 @@ def _mean_of_trials(between: Sequence[int], run: Path, cell: Cell) -> float | No
     return float(trials_of(run, cell)["reward"][slice(*between)].mean())
 
 
-def _member(run: Path, group: Group, key: str) -> _Member | None:
-    """A group seen by `key`; None where it has no value of it, or nothing that is done."""
-    point = dict(group.point)
+def _member(run: Path, group: Group, key: str, phase: int | None) -> _Member | None:
+    """A group seen by `key`; None where it has no value of it, no such phase, or nothing that is done."""
+    point, settings, experiment = dict(group.point), group.cells[0].settings, group.experiment
     value = {AGENT: group.agent, HUMAN: group.human}.get(key) or point.get(key, "")
-    found = unit_values(run, group.cells) if value else {}
+    if not value or (phase is not None and phase >= len(settings.phases)):
+        return None
+    place, part, measure = ([group.human], LAST_TENTH, reached) if phase is None else _phase(group, phase)
+    found = unit_values(run, group.cells, measure)
     if not found:
         return None
     told_of_agent = key != AGENT and not _chooses_social(key, group)
-    where = [word for word, told in ((group.agent, told_of_agent), (group.human, key != HUMAN)) if word and told]
-    settings, experiment = group.cells[0].settings, group.experiment
+    where = [group.agent] if group.agent and told_of_agent else []
+    where += [word for word in place if word and key != HUMAN]
     if key == AGENT and settings.assembled:
         experiment = json.dumps(as_yaml(settings.with_any_agent().model_copy(update={"humans": ()})))
     own = {path for path in point if path == key or _belongs(path, group, key)}
-    return _Member(group, value, " ".join([experiment, *where]), where, point, own, found)
+    return _Member(group, value, " ".join([experiment, *where]), where, point, own, found, part)
 
 
 class _Place(NamedTuple):
