@@ -1,10 +1,14 @@
 """A visit that begins with what several trainings have learned, and a robot that is told that another human comes."""
 
+import json
+
 import numpy as np
 import pytest
 
 from tests.execution.test_phases import HUMANS
 from tests.program import the_run, visitlab
+from visitlab_cli.affordances.counts import learned_counts
+from visitlab_cli.affordances.learned import affordances
 from visitlab_cli.agents.base import Setting
 from visitlab_cli.config.loading import load, load_text
 from visitlab_cli.errors import ConfigError
@@ -12,6 +16,7 @@ from visitlab_cli.log.reader import read_steps
 from visitlab_cli.plan.cells import plan
 from visitlab_cli.plan.evaluation import Evaluation
 from visitlab_cli.plan.saved import unsound
+from visitlab_cli.plan.selection import Selection
 from visitlab_cli.results.metrics import Part, metrics_of
 from visitlab_cli.results.own_models import active_models, met
 from visitlab_cli.storage.arrays import read_model
@@ -88,6 +93,24 @@ def test_a_phase_with_another_human_finds_old_counts_lighter(run):
     visits = read_model(run / "in_turn/phases/seed-0000/model.npz")["visits"]
     assert np.maximum(visits - 3, 0).sum() <= 100
     assert visits.max() > 3
+
+
+def test_affordances_show_what_a_visit_begins_with_and_that_a_module_is_one_of_a_pool(run):
+    config = load(run / "config.yaml")
+    both = [read_model(run / f"social/mb/{human}/seed-0000/model.npz") for human in HUMANS]
+    began = config.agents["mb"].pooled(Setting("social", 2560, 30, 1), both, 5)
+    found = affordances(run, plan(config), Selection(experiment="pooled"))
+    assert (found.cell.path, found.adaptations, found.cell.humans) == ("pooled/fast/seed-0000", [], ("fast",))
+    assert (found.knows.visits == np.rint(learned_counts(began).sum(axis=(2, 3)))).all()
+    told = json.loads(visitlab("affordances", run, "--experiment", "pooled", "--json").stdout)["trained"]
+    assert told["pool"] == ["social/mb/fast/seed-0000", "social/mb/still/seed-0000"]
+    text = visitlab("affordances", run).stdout.splitlines()
+    assert text[0] == "social/mb/fast/seed-0000, learned with fast"
+    assert text[-1] == "It is one of 2 that pooled/fast begins with as one: --experiment pooled shows that."
+    (line, *_) = visitlab("affordances", run, "--experiment", "in_turn").stdout.splitlines()
+    assert line == "social/light/fast/seed-0000, learned with fast"
+    several = visitlab("affordances", run, "--experiment", "several")
+    assert (several.returncode, several.stdout.count(" true\n")) == (0, 1)
 
 
 def test_frozen_it_plays_by_the_pool_and_with_another_module_without(run):

@@ -9,10 +9,10 @@ import numpy.typing as npt
 
 from visitlab_cli.affordances.counts import Levels, learned_counts
 from visitlab_cli.affordances.policy import PolicyMap, policy_map
-from visitlab_cli.affordances.truth import FIRST_ENGAGED, Truth, true_transitions
+from visitlab_cli.affordances.truth import FIRST_ENGAGED, Truth, true_transitions, undecided
 from visitlab_cli.errors import NotFoundError, RunError
 from visitlab_cli.plan.cells import Cell
-from visitlab_cli.plan.saved import models_of, values_of
+from visitlab_cli.plan.saved import models_of, modules_of, setting_of, values_of
 from visitlab_cli.plan.selection import Selection
 from visitlab_cli.storage.arrays import Arrays
 from visitlab_cli.storage.cell_folder import read_cell
@@ -46,12 +46,22 @@ class Adaptation(NamedTuple):
 
 
 class Affordances(NamedTuple):
-    """A trained social module, and what it became in each visit that it took part in."""
+    """A trained social module, and what it became in each visit that it took part in.
+
+    Or what the visit `cell` begins with: the trainings of its `pool`, their paths, as one; the truth is then that of
+    the human who is visited.
+    """
 
     cell: Cell
     knows: Graph
     policy: PolicyMap
     adaptations: list[Adaptation]
+    pool: tuple[str, ...] = ()
+
+    @property
+    def learned_with(self) -> str:
+        """The humans of its training, or that they are a pool's."""
+        return "a pool" if self.pool else " and ".join(self.cell.humans)
 
 
 FIRST = Selection(seed=0)
@@ -63,12 +73,18 @@ def affordances(run: Path, cells: Sequence[Cell], selection: Selection = FIRST) 
     Args:
         run: the run's folder.
         cells: all cells of its plan.
-        selection: which module.
+        selection: which module; or which visit, whose module it then is, its whole pool as one.
 
     Raises:
         NotFoundError: the run has no such module that is trained and learns a model.
         RunError: a model's file is damaged.
     """
+    visits = [cell for cell in cells if cell.settings.assembled and selection.experiment and selection.matches(cell)]
+    if visits and visits[0].settings.pooled:
+        return _beginning(run, visits[0])
+    if visits:
+        module = [cell for cell in cells if cell.path == visits[0].modules[SOCIAL]]
+        cells, selection = [*module, *visits], Selection()
     trained = trained_module(run, cells, selection)
     counts, policy = _read(run, trained)
     adaptations: dict[tuple[str, str], Adaptation] = {}
@@ -76,6 +92,20 @@ def affordances(run: Path, cells: Sequence[Cell], selection: Selection = FIRST) 
         if (visit.experiment, visit.human) not in adaptations:
             adaptations[visit.experiment, visit.human] = _adaptation(run, visit, counts)
     return Affordances(trained, graph(counts, _truth(trained)), policy, list(adaptations.values()))
+
+
+def _beginning(run: Path, visit: Cell) -> Affordances:
+    """What a visit begins with that has a pool."""
+    saved = visit.settings.begun_with(visit.learner, setting_of(visit), modules_of(run, visit))
+    model = next(iter(visit.learner.models(saved).values()))
+    policy = policy_map(visit.learner.values(saved), model["visits"])
+    return Affordances(visit, graph(learned_counts(model), _truth(visit)), policy, [], pool_of(visit))
+
+
+def pool_of(visit: Cell) -> tuple[str, ...]:
+    """The paths of the trainings that a visit's pool puts together; none where it has no pool."""
+    social = [path for role, path in visit.modules.items() if role not in visit.settings.steering]
+    return tuple(social) if visit.settings.pooled else ()
 
 
 def _read(run: Path, cell: Cell) -> tuple[Levels, PolicyMap]:
@@ -119,12 +149,11 @@ def _share(events: npt.NDArray[np.generic], visits: Levels) -> Table:
 
 
 def _truth(cell: Cell) -> Truth:
-    teleports = not cell.settings.assembled
+    """That of the human; nothing where it met several, or where what it perceives is not how engaged they are."""
     human, *others = cell.humans
-    if others:
-        raise NotFoundError(f"{cell.path}: met {', '.join(cell.humans)} in turn, so no single truth lies beside it")
-    if cell.settings.hidden:
-        raise NotFoundError(f"{cell.path}: engagement is hidden from it, so no truth lies beside what it perceives")
+    if others or cell.settings.hidden:
+        return undecided()
+    teleports = not cell.settings.assembled
     return true_transitions(cell.config.humans[human], teleports, cell.config.interaction.distances)
 
 

@@ -102,10 +102,12 @@ def in_words(human: str) -> str:
 
 def graph_titles(found: Affordances) -> list[str]:
     """Of the learned graph and the true one, in lines."""
-    human = in_words(found.cell.human)
+    human = in_words(" and ".join(found.cell.humans))
     titles = (
-        f"Learned with {human}: probability (times tried)",
-        f"True for {human} (varies: with where both stand)",
+        f"Learned with {in_words(found.learned_with)}: probability (times tried)",
+        f"True for {human} (varies: with where both stand)"
+        if len(found.cell.humans) == 1
+        else f"No single truth of {human}",
     )
     return [in_lines(title, GRAPH - EDGE, TITLE_SIZE, "bold") for title in titles]
 
@@ -147,7 +149,7 @@ def _maps(sheet: Sheet, found: Affordances) -> None:
     from matplotlib.patches import Patch
 
     visits = found.adaptations[:MOST_VISITS]
-    rows = [("trained with", found.cell.human, found.policy)]
+    rows = [("trained with", found.learned_with, found.policy)]
     rows += [("after visiting", visit.cell.human, visit.policy) for visit in visits]
     sheet.write("Best action around the human, by level", fontsize=8, weight="bold")
     sheet.top += MAPS_TITLE

@@ -60,6 +60,7 @@ def as_json(found: Affordances) -> dict[str, Any]:
         "trained": {
             "cell": found.cell.path,
             "human": found.cell.human,
+            **({"pool": list(found.pool)} if found.pool else {}),
             "transitions": transitions(found.knows),
             "policy": _policy(found.policy),
         },

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from visitlab_cli.affordances.plain import Weight
     from visitlab_cli.affordances.restricted import PairSet, Restricted
     from visitlab_cli.affordances.several import Belief, Several
+    from visitlab_cli.plan.cells import Cell
     from visitlab_cli.plan.selection import Selection
 
 
@@ -36,11 +37,19 @@ def command(
     experiment: Annotated[
         str,
         typer.Option(
-            "--experiment", "-e", help="Of this training; else the visits'.", autocompletion=completion.experiments
+            "--experiment",
+            "-e",
+            help="Of this training, or that this visit begins with; else the visits'.",
+            autocompletion=completion.experiments,
         ),
     ] = "",
     agent: Annotated[str, typer.Option(help="Of this agent.", autocompletion=completion.agents)] = "",
-    human: Annotated[str, typer.Option(help="Trained with this human.", autocompletion=completion.humans)] = "",
+    human: Annotated[
+        str,
+        typer.Option(
+            help="Trained with this human; with --experiment of a visit, visited.", autocompletion=completion.humans
+        ),
+    ] = "",
     seed: Annotated[
         int | None, typer.Option(min=0, help="Of this repetition, from 0; else the first, with --intents all.")
     ] = None,
@@ -93,7 +102,6 @@ def command(
     from visitlab_cli.plan.cells import plan
     from visitlab_cli.plan.selection import Selection
     from visitlab_cli.storage.run_folder import find_run, read_config
-    from visitlab_cli.world.columns import MODELS
 
     if picture is not None:
         check_ours(picture)
@@ -116,9 +124,7 @@ def command(
     elif as_json:
         tell_json({"run": str(folder), **to_json(found)})
     else:
-        tell_text(
-            _text(found, [cell.group for cell in cells if MODELS in cell.parts and cell.agent == found.cell.agent])
-        )
+        tell_text("\n".join([*_lines(found), *_see_also(found, cells)]))
 
 
 def _check_options(thresholds: Sequence[float], trials: int | None, *, intents: bool, models: bool) -> None:
@@ -257,8 +263,23 @@ def _percent(share: float) -> str:
     return "-" if math.isnan(share) else f"{share:.0%}"
 
 
-def _text(found: "Affordances", several: Sequence[str]) -> str:
-    lines = [f"{found.cell.path}, learned with {found.cell.human}", _table({"learned": found.knows}), ""]
+def _see_also(found: "Affordances", cells: "Sequence[Cell]") -> list[str]:
+    """What else there is of the same module."""
+    from visitlab_cli.affordances.learned import pool_of
+    from visitlab_cli.world.columns import MODELS
+
+    several = [cell.group for cell in cells if MODELS in cell.parts and cell.agent == found.cell.agent]
+    pooled = [cell for cell in cells if found.cell.path in pool_of(cell)]
+    lines = [f"With --models: each of its models in {several[0]}."] if several else []
+    if pooled:
+        more = f"of {len(pool_of(pooled[0]))} that {pooled[0].group} begins with as one"
+        lines.append(f"It is one {more}: --experiment {pooled[0].experiment} shows that.")
+    return lines
+
+
+def _lines(found: "Affordances") -> list[str]:
+    learned = f"as it begins: {', '.join(found.pool)} as one" if found.pool else f"learned with {found.learned_with}"
+    lines = [f"{found.cell.path}, {learned}", _table({"learned": found.knows}), ""]
     for each in found.adaptations:
         lines += [
             f"{each.cell.path}, after its visit to {each.cell.human}",
@@ -269,9 +290,7 @@ def _text(found: "Affordances", several: Sequence[str]) -> str:
         "Probability of the level next (visits behind it). True: by the human's parameters, at the visits in the",
         "column before; - where they alone do not decide it. NOT_ENGAGED: any of the levels 0 to 4.",
     ]
-    if several:
-        lines += [f"With --models: each of its models in {several[0]}."]
-    return "\n".join(lines)
+    return lines
 
 
 def _table(graphs: "dict[str, Graph]") -> str:
