@@ -7,7 +7,7 @@ import pytest
 
 from tests.pictures.within import beyond, upon_another, words_of
 from visitlab_cli.affordances.counts import Kind
-from visitlab_cli.affordances.plain import Arrow
+from visitlab_cli.affordances.plain import Arrow, weight
 from visitlab_cli.affordances.several import COMPARED, Belief, Verdict, as_json, of_saved, verdict
 from visitlab_cli.affordances.several_picture import draw_several, save_several
 from visitlab_cli.config.loading import load_text
@@ -200,11 +200,11 @@ def test_what_is_drawn_is_what_was_found(found):
         figure = draw_several(found)
     whose, general, first, second, lines = figure.axes
     assert {text.get_text() for text in whose.texts} == {"2,100", "1,900", "100", "1,000", "-"}
-    assert "come 0.333" in " ".join(text.get_text() for text in general.texts)  # as one, at any distance: 100 of 300
+    assert "come 0.500" in " ".join(text.get_text() for text in general.texts)
     assert [axes.get_title("left") for axes in (first, second)] == ["Model 0: keen", "Model 1: shy"]
     for axes, model in ((first, found.models[0]), (second, found.models[1])):
         (said,) = (text.get_text() for text in axes.texts if text.get_gid() == "come/5/7")
-        assert float(said) == pytest.approx(model.graph.learned[6, 5, 7], abs=0.005)
+        assert float(said) == pytest.approx(model.beliefs[COME].probability, abs=0.005)
     assert [text.get_text() for text in lines.texts] == [str(found.verdicts[arrow]) for arrow in COMPARED]
     drawn = {(line.get_gid(), float(line.get_xdata()[0])) for line in lines.lines if line.get_gid()}
     assert drawn == {
@@ -213,6 +213,29 @@ def test_what_is_drawn_is_what_was_found(found):
         for arrow, belief in model.beliefs.items()
         if belief.visits
     }
+
+
+@pytest.mark.parametrize("humans", [1, 2, 6])
+def test_a_models_marker_covers_nothing_of_its_name(found, humans):
+    steps = {f"human {number}": 100 for number in range(humans)}
+    models = [found.models[0]._replace(number=number, steps=steps) for number in (3, 10)]
+    with styled(STYLE):
+        figure = draw_several(found._replace(models=models))
+        figure.canvas.draw()
+        whose = figure.axes[0]
+        for label, marker in zip(whose.get_yticklabels(), whose.lines, strict=True):
+            assert label.get_window_extent().x1 < marker.get_window_extent().x0
+            assert marker.get_window_extent().x1 < whose.get_window_extent().x0
+
+
+def test_the_graphs_count_as_the_beliefs_do(found):
+    for compared, beliefs in [
+        (found.compared, found.shared),
+        *((model.compared, model.beliefs) for model in found.models),
+    ]:
+        for arrow, belief in beliefs.items():
+            assert weight(compared, arrow).visits == belief.visits
+    assert found.models[0].compared.visits.sum() < found.models[0].graph.visits.sum() == 4000
 
 
 def test_names_are_whole_and_free_with_as_many_models_as_there_may_be(found):

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from visitlab_cli.affordances.counts import Kind, Levels, learned_counts
+from visitlab_cli.affordances.counts import KINDS, Kind, Levels, learned_counts
 from visitlab_cli.affordances.learned import Graph, graph
 from visitlab_cli.affordances.plain import ARROWS, OUTCOMES, Arrow, transitions, weight
 from visitlab_cli.affordances.truth import FIRST_ENGAGED, Truth, true_transitions, undecided
@@ -72,7 +72,7 @@ class Belief(NamedTuple):
 class OfModel(NamedTuple):
     """A model: its number, whose it is ('' where nobody knows), how many steps with each human it counts, Fig. 4.
 
-    `trained` is what it counted before the visit; `graph` is of all distances.
+    `trained` is what it counted before the visit; `graph` is of all distances, `compared` counts as the beliefs do.
     """
 
     number: int
@@ -80,15 +80,20 @@ class OfModel(NamedTuple):
     trained: int
     steps: dict[str, int]
     graph: Graph
+    compared: Graph
     beliefs: dict[Arrow, Belief]
 
 
 class Several(NamedTuple):
-    """A visit's agent of several models: each that counts anything, all as one, and what each arrow is."""
+    """A visit's agent of several models: each that counts anything, all as one, and what each arrow is.
+
+    `general` is of all distances, `compared` counts as the beliefs do.
+    """
 
     cell: Cell
     models: list[OfModel]
     general: Graph
+    compared: Graph
     shared: dict[Arrow, Belief]
     verdicts: dict[Arrow, Verdict]
 
@@ -120,11 +125,13 @@ def of_saved(cell: Cell, saved: Saved) -> Several:
     truths = {human: _truth(cell, human) for human in cell.humans}
     models = [_of_model(cell, saved, number, kept[number], truths) for number in sorted(kept)]
     together = learned_counts(pooled_models(list(kept.values()), float(MOST_OF_ONE * len(kept))))
+    compared = _compared(together, undecided())
     return Several(
         cell,
         models,
         graph(together, undecided()),
-        _beliefs(together, undecided()),
+        compared,
+        _beliefs(compared),
         {arrow: verdict([model.beliefs[arrow] for model in models]) for arrow in COMPARED},
     )
 
@@ -135,7 +142,8 @@ def _of_model(cell: Cell, saved: Saved, number: int, model: Saved, truths: Mappi
     trained = max(0, round(float(model["visits"].sum())) - len(there))
     human = _whose(steps, trained, _trained_with(cell))
     counts, truth = learned_counts(model), truths.get(human) or _truth(cell, human)
-    return OfModel(number, human, trained, steps, graph(counts, truth), _beliefs(counts, truth))
+    compared = _compared(counts, truth)
+    return OfModel(number, human, trained, steps, graph(counts, truth), compared, _beliefs(compared))
 
 
 def _trained_with(cell: Cell) -> str:
@@ -159,12 +167,19 @@ def _truth(cell: Cell, human: str) -> Truth:
     return true_transitions(cell.config.humans[human], False, cell.config.interaction.distances)
 
 
-def _beliefs(counts: Levels, truth: Truth) -> dict[Arrow, Belief]:
+def _compared(counts: Levels, truth: Truth) -> Graph:
+    """The graph of all distances, but of what depends on the human's engagement only of those that are right."""
     near = np.zeros_like(counts)
     right = slice(CLOSEST_APPROPRIATE, FARTHEST_APPROPRIATE + 1)
     near[:, :, right] = counts[:, :, right]
-    anywhere, where_right = graph(counts, truth), graph(near, truth)
-    return {arrow: _belief(where_right if arrow.outcome >= FIRST_ENGAGED else anywhere, arrow) for arrow in COMPARED}
+    depends = np.zeros(counts.shape[:2], dtype=bool)
+    for arrow in COMPARED:
+        depends[KINDS.index(arrow.kind), arrow.level] |= arrow.outcome >= FIRST_ENGAGED
+    return graph(np.where(depends[:, :, None, None], near, counts), truth)
+
+
+def _beliefs(compared: Graph) -> dict[Arrow, Belief]:
+    return {arrow: _belief(compared, arrow) for arrow in COMPARED}
 
 
 def _belief(found: Graph, arrow: Arrow) -> Belief:

@@ -21,9 +21,11 @@ if TYPE_CHECKING:
 # In inches.
 ACROSS = 3
 SMALL_GRAPH = (PAGE - (ACROSS + 1) * EDGE) / ACROSS
-LINE, VERDICTS, BELOW = 0.24, 1.15, 0.62
+LINE, VERDICTS, BELOW = 0.24, 1.15, 0.76
 ABOVE = 0.2
 MODEL_NAMES, TOP_NAMES = 0.62, 0.5
+MARKER, MARKER_PLACE = 3.4, 5.6
+"""The size of a model's marker beside its name, and how far left of the table its middle is, in points."""
 DARK = 0.6
 """A share of a model's steps from which on its number is written in white."""
 SPREAD = 0.6
@@ -32,7 +34,8 @@ ALIKE = (Verdict.GENERAL, Verdict.NONE)
 MEANING = (
     "General: each model affords it, in more than 1 of 20 tries; by degree: and two models differ; specific: two "
     "differ, and not each affords it (99% intervals).\nWhat depends on engagement is counted where the distance is "
-    "right. Coloured in the small graphs: what differs between models. Ticks: true of the model's human."
+    "right, in the graphs, too; all else at any distance.\nColoured in the small graphs: what differs between models. "
+    "Ticks: true of the model's human."
 )
 
 
@@ -61,7 +64,7 @@ def draw_several(found: Several) -> "Figure":
     sheet.top = TITLE + 0.14
     _draw_whose(sheet, found)
     draw_graph(
-        sheet.axes(EDGE, GRAPH, GRAPH * HEIGHT / WIDTH), found.general, "All models as one (times tried)", true=False
+        sheet.axes(EDGE, GRAPH, GRAPH * HEIGHT / WIDTH), found.compared, "All models as one (times tried)", true=False
     )
     sheet.top = big
     differing = [arrow for arrow, verdict in found.verdicts.items() if verdict not in ALIKE]
@@ -69,10 +72,10 @@ def draw_several(found: Several) -> "Figure":
         column = place % ACROSS
         sheet.top = big + place // ACROSS * (above + small) + above
         axes = sheet.axes(EDGE + column * (SMALL_GRAPH + EDGE), SMALL_GRAPH, small)
-        draw_small_graph(axes, model.graph, title, differing)
+        draw_small_graph(axes, model.compared, title, differing)
     sheet.top = big + rows * (above + small) + last
     _draw_lines(sheet.axes(NAMES, PAGE - NAMES - VERDICTS, lines), found)
-    sheet.top += lines + BELOW - 0.3
+    sheet.top += lines + BELOW - 0.44
     sheet.write(MEANING, fontsize=SMALL, linespacing=1.3)
     return sheet.figure
 
@@ -88,6 +91,8 @@ def _paint(model: OfModel) -> dict[str, Any]:
 
 def _draw_whose(sheet: Sheet, found: Several) -> None:
     """A row for each model: the steps that it counts, by who was there; shaded by the share of the row."""
+    from matplotlib.transforms import ScaledTranslation
+
     humans = ["", *found.models[0].steps]
     counted = np.array([[model.trained, *model.steps.values()] for model in found.models])
     shares = counted / counted.sum(axis=1, keepdims=True)
@@ -105,10 +110,11 @@ def _draw_whose(sheet: Sheet, found: Several) -> None:
     names = [fitting(in_words(human) or "before the visit", width * 0.94, TOP_NAMES - 0.1, SMALL) for human in humans]
     axes.set_xticks(range(len(humans)), [name for name, _ in names])
     axes.set_yticks(range(len(counted)), [f"model {model.number}" for model in found.models])
+    beside = axes.get_yaxis_transform() + ScaledTranslation(-MARKER_PLACE / 72, 0, sheet.figure.dpi_scale_trans)
     for row, model in enumerate(found.models):
-        axes.plot(-0.62, row, markersize=3.4, linewidth=0, clip_on=False, **_paint(model))
+        axes.plot(0, row, markersize=MARKER, linewidth=0, clip_on=False, transform=beside, **_paint(model))
     axes.tick_params(axis="x", length=0, labelsize=min(size for _, size in names), labeltop=True, labelbottom=False)
-    axes.tick_params(axis="y", length=0, labelsize=SMALL, pad=9)
+    axes.tick_params(axis="y", length=0, labelsize=SMALL, pad=MARKER_PLACE + MARKER + 1)
     axes.set_xlim(-0.5, len(humans) - 0.5)
     axes.spines[:].set_visible(False)
     place = (left - MODEL_NAMES) / PAGE, 1 - sheet.top / sheet.height + 0.083 / sheet.height
