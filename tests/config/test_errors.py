@@ -24,7 +24,7 @@ ONE_LINE = [
     ("p_M: 0.1", "p_M: 1_0", "3:34: humans.human_1.p_M: must be a number (got '1_0')"),
     ("p_M: 0.1", "p_M: '0.1'", "3:34: humans.human_1.p_M: must be a number (got '0.1')"),
     ("p_M: 0.1", "p_M: [1]", "3:34: humans.human_1.p_M: must be a number (got a list)"),
-    ("p_M: 0.1", "p_M: ~", "3:34: humans.human_1.p_M: must be a number (got nothing)"),
+    ("p_M: 0.1", "p_M: ~", "3:34: humans.human_1.p_M: must be a number (got nothing; left out it is 0.0)"),
     ("p_S: [1, 0, 0], ", "", "3:3: humans.human_1.p_S: missing"),
     ("[1, 0, 0]", "[1, 0]", "3:18: humans.human_1.p_S: must have at least 3 entries (got 2)"),
     ("[1, 0, 0]", "[1, 0, 0, 0]", "3:18: humans.human_1.p_S: must have at most 3 entries (got 4)"),

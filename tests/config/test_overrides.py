@@ -60,7 +60,7 @@ def test_names_with_dots(loaded: Load) -> None:
     ("override", "message"),
     [
         ("seeds=abc", "seeds: must be a whole number (got 'abc')"),
-        ("seeds=", "seeds: must be a whole number (got nothing)"),
+        ("seeds=", "seeds: must be a whole number (got nothing; left out it is 1)"),
         ("seeds=1_0", "seeds: must be a whole number (got '1_0')"),
         ("seeds.x=1", "seeds: must be a whole number (got a mapping)"),
         ("seds=3", "seds: unknown; did you mean seeds?"),

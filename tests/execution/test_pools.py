@@ -141,6 +141,10 @@ def test_frozen_it_plays_by_the_pool_and_with_another_module_without(run):
         ("pool: [social/mb/fast, social/multi/still]", "social.pool.1: is of kind multi_model, mb of kind model_based"),
         ("pool: [social/mf/fast, social/mf/still]", "social.pool.0: an agent of kind q_learning can't be put together"),
         ("pool: [social/mb/fast, social/mb/still], prior_strength: 0", "social.prior_strength: must be at least 1"),
+        (
+            "pool: [social/mb/fast, social/mb/still], prior_strength: null",
+            "social.prior_strength: must be a number (got nothing; left out it is 20)",
+        ),
         ("pool: [social/mb/fast, social/mb/still], strength: 2", "social.strength: unknown"),
         ("prior_strength: 5", "social.pool: missing"),
     ],

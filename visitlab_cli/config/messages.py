@@ -61,7 +61,7 @@ def _is_echo(error: ErrorDetails) -> bool:
 
 
 def _issue(error: ErrorDetails, config: type[Config]) -> Issue:
-    kind, loc, given = error["type"], error["loc"], error["input"]
+    kind, loc = error["type"], error["loc"]
     path = _without_tags(loc, config)
     if kind == "missing":
         return Issue(path, "missing")
@@ -70,31 +70,41 @@ def _issue(error: ErrorDetails, config: type[Config]) -> Issue:
         return Issue(path, f"unknown{or_else(name, known)}", at="key")
     if kind in ("union_tag_not_found", "union_tag_invalid"):
         return _wrong_tag(error, path)
-    message = _message(error, given)
+    left_out = _left_out(loc, config) if error["input"] is None else ""
+    message = _message(error, f"{shown(error['input'])}{left_out}")
     return Issue(path[:-1], message, at="key") if loc[-1:] == ("[key]",) else Issue(path, message)
 
 
-def _message(error: ErrorDetails, given: Any) -> str:
-    kind, context = error["type"], error.get("ctx", {})
+def _left_out(loc: Path, config: type[Config]) -> str:
+    """What a key stands for that is not there, where it may be left out: who says nothing probably means that."""
+    model = _model_at(loc[:-1], config)
+    default = next(
+        (field.default for name, field in model.model_fields.items() if key_of(model, name) == loc[-1]), None
+    )
+    return f"; left out it is {shown(default)}" if isinstance(default, bool | int | float | str) else ""
+
+
+def _message(error: ErrorDetails, got: str) -> str:
+    kind, context, given = error["type"], error.get("ctx", {}), error["input"]
     if kind in _BOUNDS:
         words, bound = _BOUNDS[kind]
-        return f"must be {words} {context[bound]:.15g} (got {shown(given)})"
+        return f"must be {words} {context[bound]:.15g} (got {got})"
     if kind in _TYPES:
-        return f"must be {_TYPES[kind]} (got {shown(given)})"
+        return f"must be {_TYPES[kind]} (got {got})"
     if kind == "string_type":
         quoted = "" if isinstance(given, dict | list) or given is None else "; put it in quotes"
-        return f"must be text (got {shown(given)}{quoted})"
+        return f"must be text (got {got}{quoted})"
     if kind == "string_pattern_mismatch":
         rule = MODULE_RULE if context["pattern"] == MODULE_PATTERN else NAME_RULE
-        return f"{rule} (got {shown(given)})"
+        return f"{rule} (got {got})"
     if kind in ("too_short", "too_long"):
         words, bound = ("at least", "min_length") if kind == "too_short" else ("at most", "max_length")
         return f"must have {words} {_entries(context[bound])} (got {len(given)})"
     if kind == "literal_error":
-        return f"must be {context['expected'].replace(chr(39), '')} (got {shown(given)})"
+        return f"must be {context['expected'].replace(chr(39), '')} (got {got})"
     if kind == "value_error":
         return str(context["error"])
-    return f"{error['msg']} (got {shown(given)})"
+    return f"{error['msg']} (got {got})"
 
 
 def _entries(count: int) -> str:
@@ -121,6 +131,12 @@ def _without_tags(loc: Path, config: type[Config]) -> Path:
 
 def _known_keys(loc: Path, config: type[Config]) -> Iterator[str]:
     """The keys that the mapping at `loc` (with tags) may have."""
+    yield from keys_of(_model_at(loc, config))
+    yield from EXTRA_KEYS.get(str(loc[0]) if loc else "", ())
+
+
+def _model_at(loc: Path, config: type[Config]) -> type[BaseModel]:
+    """The model of the mapping at `loc` (with tags)."""
     model: type[BaseModel] = config
     for part in loc:
         field = next((found for name, found in model.model_fields.items() if key_of(model, name) == part), None)
@@ -130,8 +146,7 @@ def _known_keys(loc: Path, config: type[Config]) -> Iterator[str]:
             fitting = [found for found in _models(annotation) if _has_tag(found, part)]
         if len(fitting) == 1:
             model = fitting[0]
-    yield from keys_of(model)
-    yield from EXTRA_KEYS.get(str(loc[0]) if loc else "", ())
+    return model
 
 
 def _models(annotation: Any) -> Iterator[type[BaseModel]]:
