@@ -5,7 +5,8 @@ import pytest
 from tests.program import TINY
 from visitlab_cli.config.loading import load
 from visitlab_cli.plan.cells import plan
-from visitlab_cli.plan.estimate import SWEEP_SECONDS, seconds_of
+from visitlab_cli.plan.estimate import RECORDING, SWEEP_SECONDS, seconds_of
+from visitlab_cli.world.tasks import TASK_NAMES
 
 STEPS = 1_000_000
 
@@ -26,3 +27,11 @@ def test_a_visit_plans_as_it_says_itself():
     trials = "experiments.visit.trials=1000"
     told = [seconds("visit/fast/", trials, f"experiments.visit.plan_every={n}") for n in (100, 1)]
     assert told[1] - told[0] == pytest.approx(SWEEP_SECONDS * (100_000 - 1_000), rel=0.1)
+
+
+@pytest.mark.parametrize(("steps", "share"), [("every", 1), ("{one_trial_in: 4}", 0.25), ("none", 0)])
+def test_what_is_not_recorded_takes_less(steps, share):
+    more = f"experiments.social.steps={STEPS}", "agents.mb.plan_every=1000"
+    told = [seconds("social/mb/", *more, f"record.steps={each}") for each in ("every", steps)]
+    assert told[0] - told[1] == pytest.approx(RECORDING["social"] * (1 - share) * STEPS / 1e6)
+    assert set(RECORDING) == set(TASK_NAMES)

@@ -11,7 +11,7 @@ from typing import NamedTuple
 from visitlab_cli.agents.registry import KINDS
 from visitlab_cli.agents.uniform_random import RandomParameters
 from visitlab_cli.plan.cells import Cell
-from visitlab_cli.world.tasks import SOCIAL, VISIT
+from visitlab_cli.world.tasks import GO_TO_HUMAN, NAVIGATION, SOCIAL, VISIT
 
 LOG_BYTES = 11_000.0
 """A log without steps: schema, config, index."""
@@ -30,6 +30,8 @@ PLAIN = 8.0
 """Microseconds of a step of an agent in plain Python that does not tell them: of a table of Q-learning."""
 
 
+RECORDING = {NAVIGATION: 0.22, GO_TO_HUMAN: 0.29, SOCIAL: 0.32, VISIT: 0.35}
+"""Microseconds of a step that recording it takes; what is told of a step has them in it."""
 SWEEP_SECONDS = 0.35e-3
 """A sweep of a model that has met most of the social task, and longer than any of the other tasks'."""
 USUALLY = {VISIT: 100}
@@ -62,6 +64,7 @@ def seconds_of(cell: Cell) -> float:
     agent = RandomParameters if cell.frozen else cell.config.agents[cell.agent]  # frozen: neither learns nor plans
     told = agent.microseconds_a_step.get(cell.task, PLAIN if not agent.compiled() else _dearest(cell.task))
     planning = cell.trials * cell.settings.seconds_a_trial
+    told = max(0.0, told - RECORDING[cell.task] * (1 - _recorded(cell) / cell.steps))
     return cell.settings.plays.costs.seconds + planning + cell.steps * (told / 1e6 + _more_sweeps(cell))
 
 
@@ -92,13 +95,16 @@ def _bytes(cell: Cell) -> float:
     return CELL_BYTES + cell.trials * TRIAL_BYTES + _log_bytes(cell) + _model_bytes(cell)
 
 
-def _log_bytes(cell: Cell) -> float:
-    """Of `steps.mcap`: nothing where no trial is recorded, the first trial at least where some are."""
+def _recorded(cell: Cell) -> int:
+    """The steps that are recorded: of the first trial at least where of any."""
     one_in = cell.config.record.one_trial_in
-    if not one_in:
-        return 0.0
-    recorded = -(-cell.trials // one_in) * cell.settings.trial_steps
-    return LOG_BYTES + recorded * cell.settings.plays.costs.log_bytes_a_step
+    return min(cell.steps, -(-cell.trials // one_in) * cell.settings.trial_steps) if one_in else 0
+
+
+def _log_bytes(cell: Cell) -> float:
+    """Of `steps.mcap`: nothing where no trial is recorded."""
+    steps = _recorded(cell)
+    return LOG_BYTES + steps * cell.settings.plays.costs.log_bytes_a_step if steps else 0.0
 
 
 def _model_bytes(cell: Cell) -> float:
