@@ -138,10 +138,11 @@ class LoadedRun:
     def metrics(self, first: int = FIRST, **wanted: str | int) -> Any:
         """A data frame with a row for each group and metric: what `visitlab metrics` shows (docs/metrics.md).
 
-        Where there are phases, a row for the `first` trials of each and one for the rest.
+        Where there are phases, a row for the `first` trials of each and one for the rest; of a `human` those with it.
         """
+        human = str(wanted.pop("human", ""))
         chosen = {cell.path for cell in self.select(**wanted)}
-        groups = group_metrics(self.path, [cell for cell in self._plan if cell.path in chosen], first)
+        groups = group_metrics(self.path, [cell for cell in self._plan if cell.path in chosen], first, human)
         rows = [row for each in groups for row in each.as_rows()]
         for row in rows:
             row["low"], row["high"] = row.pop("interval") or (None, None)

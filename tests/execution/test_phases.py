@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import visitlab_cli
 from tests.oracle.checker import best_directions_of, check_log, greedy_moves_of
 from tests.oracle.grid import Grid
 from tests.program import hashes, only_cells, the_run, visitlab
@@ -229,6 +230,23 @@ def test_who_is_met_in_turn_is_chosen_by_phases():
     assert {cell.experiment for cell in Selection(human="still").of(Path("run"), cells)} == {"on"}  # met alone
     with pytest.raises(NotFoundError, match="no human stil; did you mean still?"):
         Selection("visit", "stil").of(Path("run"), cells)
+
+
+def test_metrics_of_a_human_are_of_the_phases_with_it_too(run):
+    told = [
+        json.loads(visitlab("metrics", run, "--json", *more).stdout)["metrics"] for more in ((), ("--human", "still"))
+    ]
+    assert told[1] == [row for row in told[0] if row["human"] == "still"]
+    assert {(row["experiment"], row.get("phase")) for row in told[1]} == {("social", 1), ("on", None), ("visit", 1)}
+    phased = json.loads(visitlab("metrics", run, "--json", "--human", "phases", "-e", "visit").stdout)["metrics"]
+    assert {row["human"] for row in phased} == {"fast", "still"}
+    pytest.importorskip("pandas")
+    frame = visitlab_cli.load(run).metrics(human="still")
+    assert list(frame["mean"]) == [row["mean"] for row in told[1]]
+    with pytest.raises(NotFoundError, match="no visit with stil, and metrics are of these"):
+        visitlab_cli.load(run).metrics(human="stil")
+    done = visitlab("metrics", run, "--human", "stil")
+    assert (done.returncode, done.stderr.endswith("no human stil; did you mean still?\n")) == (5, True)
 
 
 def test_an_evaluation_with_a_human_of_its_own_has_no_phases():

@@ -7,7 +7,7 @@ import typer
 from visitlab_cli.console import completion
 from visitlab_cli.console.help import Help
 from visitlab_cli.console.metrics import metrics_table
-from visitlab_cli.console.options import FIRST_TRIALS, RUNS, Agent, At, First, Human, Json, Out, Run, Seed
+from visitlab_cli.console.options import FIRST_TRIALS, RUNS, Agent, At, First, Json, Out, Run, Seed
 from visitlab_cli.terminal import tell_json, tell_text
 
 HELP = Help(
@@ -31,7 +31,9 @@ def command(
             autocompletion=completion.experiments,
         ),
     ] = "",
-    human: Human = "",
+    human: Annotated[
+        str, typer.Option(help="With this human, of phases those with it.", autocompletion=completion.humans)
+    ] = "",
     agent: Agent = "",
     seed: Seed = None,
     at: At = None,
@@ -46,8 +48,9 @@ def command(
     from visitlab_cli.storage.run_folder import find_run, read_config
 
     folder = find_run(run, out)
-    cells = Selection(experiment, human, agent, seed, tuple(at or ())).of(folder, plan(read_config(folder)))
-    found = group_metrics(folder, cells, first)
+    selection = Selection(experiment, human, agent, seed, tuple(at or ()), in_phases=True)
+    cells = selection.of(folder, plan(read_config(folder)))
+    found = group_metrics(folder, cells, first, human)
     if as_json:
         rows = [row for each in found for row in each.as_rows()]
         tell_json({"run": str(folder), "confidence": 0.95, "metrics": rows})

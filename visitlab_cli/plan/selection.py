@@ -18,6 +18,7 @@ class Selection:
     """What is wanted of a run; empty or None is anything.
 
     `at` has values of what varies, as `path=value`; a cell to which a path does not matter is at each of its values.
+    `in_phases` says that a cell is one with the human, too, which meets it in a phase.
     """
 
     experiment: str = ""
@@ -25,12 +26,13 @@ class Selection:
     agent: str = ""
     seed: int | None = None
     at: tuple[str, ...] = ()
+    in_phases: bool = False
 
     def matches(self, cell: Cell) -> bool:
         """Whether a cell is of the wanted kind."""
         return (
             self.experiment in ("", cell.experiment)
-            and self.human in ("", cell.human)
+            and (self.human in ("", cell.human) or (self.in_phases and self.human in cell.humans))
             and self.agent in ("", cell.agent)
             and self.seed in (None, cell.seed)
             and all(_is_at(cell, *_parts(each)) for each in self.at)

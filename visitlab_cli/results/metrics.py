@@ -24,6 +24,7 @@ from visitlab_cli.results.phases import FIRST
 from visitlab_cli.results.units import Units, by_unit
 from visitlab_cli.results.ways import distances_to
 from visitlab_cli.storage.cell_folder import STEPS, read_cell
+from visitlab_cli.wording import printable
 from visitlab_cli.world.columns import BELIEF, COLUMNS, DOORS, ENGAGEMENT, GOAL, MODELS
 from visitlab_cli.world.enums import DISTANCE_NAMES, InteractionLevel
 from visitlab_cli.world.geometry import BEHIND, CIRCLE, FACING_FIELD, HUNDREDTHS, make_geometry
@@ -273,19 +274,28 @@ class GroupMetrics(NamedTuple):
         ]
 
 
-def group_metrics(run: Path, cells: Sequence[Cell], first: int = FIRST) -> list[GroupMetrics]:
+def group_metrics(run: Path, cells: Sequence[Cell], first: int = FIRST, human: str = "") -> list[GroupMetrics]:
     """The metrics of each group of a run's finished cells whose human can be engaged, of each part where it has phases.
+
+    Args:
+        run: the run's folder.
+        cells: of its plan.
+        first: how many trials are a phase's first ones.
+        human: if given, only what was with this one; of phases those with it.
 
     Raises:
         NotFoundError: there is no such cell.
         RunError: a log is damaged.
     """
-    social = [cell for cell in cells if cell.settings.plays.has(ENGAGEMENT)]
+    wanted = [cell for cell in cells if human in ("", cell.human, *cell.humans)]
+    social = [cell for cell in wanted if cell.settings.plays.has(ENGAGEMENT)]
     done = [cell for cell in social if read_cell(run / cell.path) is not None]
     if not done:
         what = "no finished cell" if social else "no training of the social module and no visit"
-        raise NotFoundError(f"{run}: has {what}, and metrics are of these")
-    return [each for group in groups_of(done) for each in _of_group(run, group, first)]
+        whom = f" with {printable(human)}" if human else ""
+        raise NotFoundError(f"{run}: has {what}{whom}, and metrics are of these")
+    found = [each for group in groups_of(done) for each in _of_group(run, group, first)]
+    return [each for each in found if human in ("", each.human, each.group.human)]
 
 
 def _of_group(run: Path, group: Group, first: int) -> Iterator[GroupMetrics]:
