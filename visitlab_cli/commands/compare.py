@@ -108,13 +108,15 @@ def command(
         reason = next((each for _, each in compared.absent if each.is_planned), compared.absent[0][1])
         raise NotFoundError(f"{folder}: has no curve that was published ({reason.group}: {reason.reason}, and so on)")
     if page is not None:
-        from visitlab_cli.figures.making import make_figures
+        from visitlab_cli.figures.making import NAMES, make_figures
         from visitlab_cli.paper.page.evidence import gather
+        from visitlab_cli.paper.page.text import CAPTIONS
         from visitlab_cli.paper.page.writing import write_page
         from visitlab_cli.replay.strip import strip
 
         def draw(of: Path, kind: str, into: Path) -> list[Path]:
-            return make_figures(of, strip, kind=kind, into=into).files
+            shown = [name for name in NAMES if name in CAPTIONS]
+            return make_figures(of, strip, only=shown, kind=kind, into=into).files
 
         files = [str(file) for file in write_page(gather(folder, cells, compared, margin, variants), page, draw)]
         tell_json({"run": str(folder), "files": files}, None) if as_json else tell(*files)
