@@ -68,6 +68,8 @@ class StepRecorder:
         self._one_trial_in = one_trial_in
         self._step_layout = layout_of(STEP, task, parts)
         self._trial_layout = layout_of(TRIAL, task, parts)
+        layout = self._step_layout
+        self._may_not_fit = [name for name in layout.varints if layout.dtype[name] != np.bool_]
         self._chunk = self._step_layout.blank(CHUNK_STEPS)
         self._filled = 0
         self._steps_written = 0
@@ -169,10 +171,9 @@ class StepRecorder:
             self._file.abandon()
 
     def _check_varints(self, block: dict[str, np.ndarray]) -> None:
-        for name in self._step_layout.varints:
-            too_large = block[name] > VARINT_MAX
-            if too_large.any():
-                row = int(too_large.argmax())
+        for name in self._may_not_fit:
+            if block[name].max(initial=0) > VARINT_MAX:
+                row = int((block[name] > VARINT_MAX).argmax())
                 raise RunError(
                     f"{self._path}: step {block['step'][row]} of trial {block['trial'][row]} has {name} "
                     f"{block[name][row]}, the log holds 0 to {VARINT_MAX}"
@@ -191,7 +192,9 @@ class StepRecorder:
 
     def _trials_of(self, steps: Records, trial_ended: bool) -> Records:
         """The `/trial` messages of the trials that end in `steps`; keeps the reward of one that goes on."""
-        firsts = np.union1d([0], np.flatnonzero(steps["step"] == 0))
+        firsts = np.flatnonzero(steps["step"] == 0)
+        if not len(firsts) or firsts[0]:
+            firsts = np.append(0, firsts)
         rewards = np.add.reduceat(steps["reward"].astype(np.float64), firsts)
         rewards[0] += self._open_reward
         lasts = np.append(firsts[1:], len(steps)) - 1
@@ -200,17 +203,17 @@ class StepRecorder:
         else:
             self._open_reward = float(rewards[-1])
             rewards, lasts = rewards[:-1], lasts[:-1]
-        last = steps[lasts]
-        trials = self._trial_layout.blank(len(last))
-        trials["sequence"] = np.arange(self._trials_written, self._trials_written + len(last))
-        trials["log_time"] = trials["publish_time"] = last["log_time"]
-        trials["trial"] = last["trial"]
-        trials["first_step_time"] = last["log_time"] - last["step"].astype(np.uint64) * STEP_NS
+        ended, last_steps = steps["log_time"][lasts], steps["step"][lasts]
+        trials = self._trial_layout.blank(len(lasts))
+        trials["sequence"] = np.arange(self._trials_written, self._trials_written + len(lasts))
+        trials["log_time"] = trials["publish_time"] = ended
+        trials["trial"] = steps["trial"][lasts]
+        trials["first_step_time"] = ended - last_steps.astype(np.uint64) * STEP_NS
         trials["reward"] = rewards
-        trials["steps"] = last["step"]
+        trials["steps"] = last_steps
         if "goals" in self._trial_layout.fields:
             trials["goals"] = rewards
-        self._trials_written += len(last)
+        self._trials_written += len(lasts)
         return trials
 
     @contextlib.contextmanager
