@@ -15,7 +15,7 @@ from visitlab_cli.config.loading import load
 from visitlab_cli.errors import Interrupted
 from visitlab_cli.execution import cell_runner, checkpoints
 from visitlab_cli.plan.cells import plan
-from visitlab_cli.storage.cell_folder import TIMING, remove_leftovers
+from visitlab_cli.storage.cell_folder import CELL, TIMING, read_cell, remove_leftovers
 
 CONFIG = """
 name: stopped
@@ -122,11 +122,16 @@ def went(run, cell, report=lambda steps: None):
 
 
 def digests(run, cell):
-    return {
+    """The sha256 of a cell's files, by their names; `cell.json` says the same of those that it lists."""
+    found = {
         file.name: hashlib.sha256(file.read_bytes()).hexdigest()
         for file in sorted((run / cell.path).iterdir())
         if file.name != TIMING
     }
+    told = read_cell(run / cell.path)["files"]
+    assert found.keys() - told.keys() == {CELL}
+    assert all(found[name] == each["sha256"] for name, each in told.items())
+    return found
 
 
 def often(rows):

@@ -12,6 +12,7 @@ from mcap_protobuf.decoder import DecoderFactory
 
 from visitlab_cli.errors import RunError
 from visitlab_cli.log.writer import CHUNK_STEPS, StepRecorder
+from visitlab_cli.storage.cell_folder import describe
 from visitlab_cli.world.columns import empty_columns
 from visitlab_cli.world.tasks import TASK_NAMES, columns_of
 
@@ -147,6 +148,14 @@ def test_a_killed_recorder_leaves_metadata_config_and_whole_chunks(tmp_path):
     messages = reader.iter_messages("/step", log_time_order=False)
     found = [next(messages)[2].sequence for _ in range(CHUNK_STEPS)]
     assert found == list(range(CHUNK_STEPS))
+
+
+@pytest.mark.parametrize("rows", [0, 100, CHUNK_STEPS, CHUNK_STEPS + 1, 3 * CHUNK_STEPS])
+def test_size_and_digest_are_those_of_the_file(tmp_path, rows):
+    columns, _ = random_steps(trials=1, trial_steps=rows)
+    with StepRecorder(tmp_path / "a.mcap", "visit", attributes=ATTRIBUTES, config_yaml=CONFIG) as recorder:
+        recorder.write(columns, rows)
+    assert recorder.described() == describe(tmp_path / "a.mcap")
 
 
 def test_an_exception_leaves_the_file_unfinished(tmp_path):

@@ -8,7 +8,7 @@ import sys
 import pytest
 
 from visitlab_cli.errors import RunError
-from visitlab_cli.storage.cell_folder import NewCell, lock_of, read_cell, remove_leftovers
+from visitlab_cli.storage.cell_folder import NewCell, describe, lock_of, read_cell, remove_leftovers
 
 FACTS = {
     "cell": "a/b/seed-0000",
@@ -44,6 +44,17 @@ def test_committed_it_is_there_and_says_what_it_holds(tmp_path):
             "sha256": "3a6eb0790f39ac87c94f3856b2dd2c5d110e6811602261a9a923d3bb23adc8b7",
         }
     }
+
+
+def test_what_is_described_as_it_was_written_is_not_read_again(tmp_path):
+    described = {"size": 4, "sha256": "0" * 64}
+    with NewCell(tmp_path, "a/b/seed-0000") as new:
+        for name in ("model.npz", "steps.mcap"):
+            (new.folder / name).write_text("data")
+        new.commit(FACTS, TIMING, {"steps.mcap": described})
+    files = read_cell(tmp_path / "a/b/seed-0000")["files"]
+    assert files["steps.mcap"] == described
+    assert files["model.npz"] == describe(tmp_path / "a/b/seed-0000/model.npz")
 
 
 def test_an_exception_leaves_nothing(tmp_path):

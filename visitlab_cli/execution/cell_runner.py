@@ -87,7 +87,8 @@ def _run_cell(run: Path, cell: Cell, report: Report, goes_on: Report) -> None:
         write_trials(new.folder / TRIALS, trial_rewards, with_goals=goals, phase_trials=phases)
         write_model(new.folder / MODEL, saved_model(simulation, random))
         timing = _timing(checkpoints.began, checkpoints.seconds, cell.steps, spent)
-        new.commit(facts_of(cell, trial_rewards), timing)
+        described = {} if recorder is None else {STEPS: recorder.described()}
+        new.commit(facts_of(cell, trial_rewards), timing, described)
 
 
 def nothing_recorded(columns: StepColumns, rows: int) -> None:

@@ -6,13 +6,14 @@ same calls give the same bytes. Format: mcap.dev/spec.
 """
 
 import contextlib
+import hashlib
 import os
 import struct
 import zlib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import BinaryIO, NamedTuple
+from typing import Any, BinaryIO, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -85,6 +86,7 @@ class McapFile:
         self._compressor = zstandard.ZstdCompressor(compression_params=_COMPRESSION_PARAMETERS)
         self._position = 0
         self._crc = 0
+        self._digest = hashlib.sha256()
         self._channels: dict[int, Channel] = {}
         self._schemas: dict[int, Schema] = {}
         self._chunks: list[ChunkIndex] = []
@@ -201,14 +203,14 @@ class McapFile:
         Raises:
             ValueError: it does not hold that; nothing is appended.
         """
-        begun, crc = self._position, self._crc
+        begun, crc, digest = self._position, self._crc, self._digest.copy()
         before.seek(begun)
         while self._position < at.size and (part := before.read(min(_PART, at.size - self._position))):
             self._write(part)
         if (self._position, self._crc) != (at.size, at.crc):
             self._file.seek(begun)
             self._file.truncate()
-            self._position, self._crc = begun, crc
+            self._position, self._crc, self._digest = begun, crc, digest
             raise ValueError("cut, or damaged")
         channels = sorted(self._channels)
         for row in at.chunks.tolist():
@@ -238,6 +240,10 @@ class McapFile:
         self.flush()
         os.fsync(self._file.fileno())
         self._file.close()
+
+    def described(self) -> dict[str, Any]:
+        """Size in bytes and sha256 of what was written so far."""
+        return {"size": self._position, "sha256": self._digest.hexdigest()}
 
     def abandon(self) -> None:
         """Close the file without a summary; what it holds is not worth an error of the disk."""
@@ -282,6 +288,7 @@ class McapFile:
         self._file.write(data)
         self._position += len(data)
         self._crc = zlib.crc32(data, self._crc)
+        self._digest.update(data)
 
 
 def record_bytes(*records: McapRecord) -> bytes:

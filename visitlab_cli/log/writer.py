@@ -156,6 +156,10 @@ class StepRecorder:
         with self._writing():
             self._file.finish()
 
+    def described(self) -> dict[str, Any]:
+        """Size in bytes and sha256 of the file, once it is closed."""
+        return self._file.described()
+
     def __enter__(self) -> Self:
         return self
 

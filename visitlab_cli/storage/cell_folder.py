@@ -17,7 +17,7 @@ import re
 import shutil
 import stat
 import uuid
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
@@ -185,9 +185,16 @@ class NewCell:
         if isinstance(error, OSError):
             raise RunError(f"{self.place}: can't be written: {one_line(error)}") from error
 
-    def commit(self, facts: dict[str, Any], timing: dict[str, Any]) -> None:
-        """Write `timing.json` and, last, `cell.json` with `facts` and the files' hashes; then rename."""
-        files = {file.name: describe(file) for file in sorted(self.folder.iterdir()) if file.name in OF_CELLS}
+    def commit(
+        self, facts: dict[str, Any], timing: dict[str, Any], described: Mapping[str, dict[str, Any]] | None = None
+    ) -> None:
+        """Write `timing.json` and, last, `cell.json` with `facts` and the files' hashes; then rename.
+
+        What whoever wrote a file has `described`, as `describe` would, is not read again.
+        """
+        known = described or {}
+        names = sorted(file.name for file in self.folder.iterdir() if file.name in OF_CELLS)
+        files = {name: known.get(name) or describe(self.folder / name) for name in names}
         for name in files:
             sync(self.folder / name)
         write_durably(self.folder / TIMING, to_json(timing))
