@@ -1,6 +1,8 @@
 import gc
 import io
 import resource
+import threading
+import time
 import tracemalloc
 from pathlib import Path
 
@@ -11,9 +13,10 @@ from mcap.writer import MCAP0_MAGIC
 from mcap_protobuf.decoder import DecoderFactory
 
 from visitlab_cli.errors import RunError
+from visitlab_cli.log.mcap_file import McapFile
 from visitlab_cli.log.writer import CHUNK_STEPS, StepRecorder
 from visitlab_cli.storage.cell_folder import describe
-from visitlab_cli.world.columns import empty_columns
+from visitlab_cli.world.columns import StepColumns, empty_columns
 from visitlab_cli.world.tasks import TASK_NAMES, columns_of
 
 from .blocks import (
@@ -132,7 +135,8 @@ def test_a_killed_recorder_leaves_metadata_config_and_whole_chunks(tmp_path):
     with StepRecorder(path, "visit", attributes=ATTRIBUTES, config_yaml=CONFIG) as recorder:
         prelude = path.read_bytes()
         recorder.write(columns, rows)
-        left = path.read_bytes()  # what a kill would leave at this moment
+        recorder.position()  # whose file is what a kill would leave once the thread has done what it was handed
+        left = path.read_bytes()
     with path.open("rb") as file:
         first = make_reader(file).get_summary().chunk_indexes[0]
     assert len(prelude) == first.chunk_start_offset
@@ -148,6 +152,46 @@ def test_a_killed_recorder_leaves_metadata_config_and_whole_chunks(tmp_path):
     messages = reader.iter_messages("/step", log_time_order=False)
     found = [next(messages)[2].sequence for _ in range(CHUNK_STEPS)]
     assert found == list(range(CHUNK_STEPS))
+
+
+@pytest.fixture
+def slow(monkeypatch):
+    """A disk at which the thread is behind."""
+    write_chunk = McapFile.write_chunk
+
+    def late(self, blocks):
+        time.sleep(0.05)
+        write_chunk(self, blocks)
+
+    monkeypatch.setattr(McapFile, "write_chunk", late)
+
+
+def test_a_position_is_that_of_all_that_was_written(tmp_path, slow):
+    """Also when the thread is behind: the file as it was then, and another that goes on from it."""
+    columns, rows = random_steps(trials=300, trial_steps=100)
+    whole = record(tmp_path / "whole.mcap", "visit", columns, rows).read_bytes()
+    middle = 2 * CHUNK_STEPS + 1
+    before = tmp_path / "before.mcap"
+    with StepRecorder(before, "visit", attributes=ATTRIBUTES, config_yaml=CONFIG) as recorder:
+        recorder.write(columns, middle)
+        position = {name: array.copy() for name, array in recorder.position().items()}
+        assert position["numbers"][2] == 2 * CHUNK_STEPS
+        assert len(position["rows"]) == recorder._chunk.itemsize
+        assert before.read_bytes() == whole[: position["numbers"][0]]
+        recorder.write(StepColumns(*(values[middle:] for values in columns)), rows - middle)
+    assert before.read_bytes() == whole
+    for damaged in (True, False):
+        path = tmp_path / f"{damaged}.mcap"
+        with StepRecorder(path, "visit", attributes=ATTRIBUTES, config_yaml=CONFIG) as recorder:
+            if damaged:
+                with pytest.raises(ValueError, match="cut"):
+                    recorder.go_on(io.BytesIO(whole[: position["numbers"][0] - 1]), position)
+                recorder.write(columns, rows)
+            else:
+                recorder.go_on(io.BytesIO(whole), position)
+                recorder.write(StepColumns(*(values[middle:] for values in columns)), rows - middle)
+        assert path.read_bytes() == whole
+        assert recorder.described() == describe(path)
 
 
 @pytest.mark.parametrize("rows", [0, 100, CHUNK_STEPS, CHUNK_STEPS + 1, 3 * CHUNK_STEPS])
@@ -167,8 +211,10 @@ def test_an_exception_leaves_the_file_unfinished(tmp_path):
             recorder.write(columns, rows)
             raise KeyboardInterrupt
 
+    threads = threading.active_count()
     with pytest.raises(KeyboardInterrupt):
         interrupted()
+    assert threading.active_count() == threads
     assert path.stat().st_size > 0
     assert not path.read_bytes().endswith(MCAP0_MAGIC)
 
@@ -231,15 +277,20 @@ def test_a_full_disk_is_one_line():
     gc.collect()  # an open file would be warned of here
 
 
-def test_a_disk_that_fills_up_while_recording_is_one_line(tmp_path):
-    columns, rows = random_steps(trials=100, trial_steps=100)
+@pytest.mark.parametrize(("trials", "block"), [(60, None), (100, None), (400, 1000), (400, 20_000)])
+def test_a_disk_that_fills_up_while_recording_is_one_line(tmp_path, trials, block):
+    """Found at the end, and in the thread at the end, between blocks, in a block."""
+    columns, rows = random_steps(trials=trials, trial_steps=100)
+    threads = threading.active_count()
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (50_000, hard))
     try:
-        with pytest.raises(RunError, match=r"a\.mcap: cannot write the log: File too large$"):
-            record(tmp_path / "a.mcap", "visit", columns, rows)
+        with pytest.raises(RunError, match=r"a\.mcap: cannot write the log: File too large$") as caught:
+            record(tmp_path / "a.mcap", "visit", columns, rows, block=block)
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    assert isinstance(caught.value.__cause__, OSError), "by which a checkpoint is kept"
+    assert threading.active_count() == threads
 
 
 @pytest.mark.parametrize("path", ["missing/a.mcap", "."])

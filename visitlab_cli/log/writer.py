@@ -1,12 +1,14 @@
-"""Recording: blocks of steps become the log of a cell, at less than half a microsecond a step.
+"""Recording: blocks of steps become the log of a cell, at less than half a microsecond a step, beside playing.
 
 The file does not depend on the size of the blocks in which the steps arrive. First come the metadata and
 the config, which a crash thus leaves, then chunks of `CHUNK_STEPS` steps, each followed in the chunk by the
-trials whose last step it holds, then the summary.
+trials whose last step it holds, then the summary. A chunk that is full is compressed, hashed and written in a thread,
+while the next one is filled.
 """
 
 import contextlib
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from types import TracebackType
 from typing import Any, BinaryIO, Self
@@ -15,6 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from visitlab_cli.errors import RunError
+from visitlab_cli.log.behind import Behind
 from visitlab_cli.log.layout import STEP_CHANNEL, TRIAL_CHANNEL, VARINT_MAX, Records, layout_of
 from visitlab_cli.log.mcap_file import McapFile, Position
 from visitlab_cli.log.schema import (
@@ -71,6 +74,8 @@ class StepRecorder:
         layout = self._step_layout
         self._may_not_fit = [name for name in layout.varints if layout.dtype[name] != np.bool_]
         self._chunk = self._step_layout.blank(CHUNK_STEPS)
+        self._other: Records | None = None  # that is being written, or was
+        self._behind = Behind()
         self._filled = 0
         self._steps_written = 0
         self._trials_written = 0
@@ -88,12 +93,12 @@ class StepRecorder:
             self._file.flush()
 
     def write(self, columns: StepColumns, rows: int) -> None:
-        """Append the first `rows` rows of a block.
+        """Append the first `rows` rows of a block, which may change afterwards.
 
         The rows of all blocks together are whole trials, each from its step 0 on, the last one maybe cut.
 
         Raises:
-            RunError: a value does not fit its field, or the file cannot be written.
+            RunError: a value does not fit its field, or the file cannot be written, maybe with what came before.
         """
         if rows > len(columns.trial):
             raise ValueError(f"{rows} rows of a block of {len(columns.trial)}")
@@ -105,7 +110,7 @@ class StepRecorder:
         done, total = 0, len(block["trial"])
         while done < total:
             if self._filled == CHUNK_STEPS:
-                self._write_chunk(trial_ended=block["step"][done] == 0)
+                self._hand_over(trial_ended=block["step"][done] == 0)
             count = min(total - done, CHUNK_STEPS - self._filled)
             into = self._chunk[self._filled : self._filled + count]
             for name, values in block.items():
@@ -119,6 +124,7 @@ class StepRecorder:
         Raises:
             RunError: the file cannot be written.
         """
+        self._behind.wait()
         with self._writing():
             size, crc, chunks, counts = self._file.position()
         return {
@@ -146,13 +152,15 @@ class StepRecorder:
         self._open_reward = float(position["open"][0])
 
     def close(self) -> None:
-        """Write what is left and the summary; the file is on the disk when this returns.
+        """Write what is left and the summary; the file is on the disk, and the thread has ended, when this returns.
 
         Raises:
             RunError: the file cannot be written.
         """
+        self._behind.end()
+        self._behind.wait()
         if self._filled:
-            self._write_chunk(trial_ended=True)
+            self._write_chunk(self._chunk[: self._filled], trial_ended=True)
         with self._writing():
             self._file.finish()
 
@@ -172,6 +180,7 @@ class StepRecorder:
         if kind is None:
             self.close()
         else:
+            self._behind.end()
             self._file.abandon()
 
     def _check_varints(self, block: dict[str, np.ndarray]) -> None:
@@ -183,16 +192,20 @@ class StepRecorder:
                     f"{block[name][row]}, the log holds 0 to {VARINT_MAX}"
                 )
 
-    def _write_chunk(self, trial_ended: bool) -> None:
-        """Write the filled rows as a chunk; `trial_ended`: the last of them is the last of its trial."""
-        steps = self._chunk[: self._filled]
-        numbers = np.arange(self._steps_written, self._steps_written + self._filled)
+    def _hand_over(self, trial_ended: bool) -> None:
+        """Have the chunk, which is full, written behind, and go on with the other one."""
+        self._behind.hand(partial(self._write_chunk, self._chunk, trial_ended))
+        other = self._step_layout.blank(CHUNK_STEPS) if self._other is None else self._other
+        self._chunk, self._other, self._filled = other, self._chunk, 0
+
+    def _write_chunk(self, steps: Records, trial_ended: bool) -> None:
+        """Write `steps` as a chunk; `trial_ended`: the last of them is the last of its trial."""
+        numbers = np.arange(self._steps_written, self._steps_written + len(steps))
         steps["sequence"] = numbers
         steps["log_time"] = steps["publish_time"] = numbers * STEP_NS
         with self._writing():
             self._file.write_chunk([steps, self._trials_of(steps, trial_ended)])
-        self._steps_written += self._filled
-        self._filled = 0
+        self._steps_written += len(steps)
 
     def _trials_of(self, steps: Records, trial_ended: bool) -> Records:
         """The `/trial` messages of the trials that end in `steps`; keeps the reward of one that goes on."""
