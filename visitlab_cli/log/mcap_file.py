@@ -45,7 +45,7 @@ HEADER = Header(profile="", library="visitlab")
 COMPRESSION = "zstd"
 # The fast strategy of levels 1 and 2, with a table and a window that fit the processor's cache. Measured on a
 # visit: a fifth less CPU than level 3, which writes 2 bytes a step less.
-_COMPRESSION_PARAMETERS = zstandard.ZstdCompressionParameters(
+COMPRESSION_PARAMETERS = zstandard.ZstdCompressionParameters(
     strategy=zstandard.STRATEGY_FAST, window_log=18, hash_log=16, min_match=6
 )
 INDEX_HEAD = struct.Struct("<HI")
@@ -83,7 +83,7 @@ class McapFile:
 
     def __init__(self, path: Path, header: Header = HEADER):
         self._file = path.open("wb")
-        self._compressor = zstandard.ZstdCompressor(compression_params=_COMPRESSION_PARAMETERS)
+        self._compressor = zstandard.ZstdCompressor(compression_params=COMPRESSION_PARAMETERS)
         self._position = 0
         self._crc = 0
         self._digest = hashlib.sha256()
