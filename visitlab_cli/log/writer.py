@@ -2,8 +2,8 @@
 
 The file does not depend on the size of the blocks in which the steps arrive. First come the metadata and
 the config, which a crash thus leaves, then chunks of `CHUNK_STEPS` steps, each followed in the chunk by the
-trials whose last step it holds, then the summary. A chunk that is full is compressed, hashed and written in a thread,
-while the next one is filled.
+trials whose last step it holds, then the summary. A block is copied, and encoded, compressed, hashed and written in a
+thread, while the next one is played.
 """
 
 import contextlib
@@ -74,7 +74,6 @@ class StepRecorder:
         layout = self._step_layout
         self._may_not_fit = [name for name in layout.varints if layout.dtype[name] != np.bool_]
         self._chunk = self._step_layout.blank(CHUNK_STEPS)
-        self._other: Records | None = None  # that is being written, or was
         self._behind = Behind()
         self._filled = 0
         self._steps_written = 0
@@ -98,11 +97,18 @@ class StepRecorder:
         The rows of all blocks together are whole trials, each from its step 0 on, the last one maybe cut.
 
         Raises:
-            RunError: a value does not fit its field, or the file cannot be written, maybe with what came before.
+            RunError: a value of this block or the one before does not fit its field, or the file cannot be written.
         """
         if rows > len(columns.trial):
             raise ValueError(f"{rows} rows of a block of {len(columns.trial)}")
         block = {name: getattr(columns, name)[:rows] for name in self._step_layout.fields}
+        if rows < CHUNK_STEPS:  # the last one, for which a thread would hardly be worth its start
+            self._behind.wait()
+            self._append(block)
+        else:
+            self._behind.hand(partial(self._append, {name: values.copy() for name, values in block.items()}))
+
+    def _append(self, block: dict[str, npt.NDArray[Any]]) -> None:
         if self._one_trial_in > 1:
             kept = np.flatnonzero(block["trial"] % self._one_trial_in == 0)
             block = {name: values[kept] for name, values in block.items()}
@@ -110,7 +116,7 @@ class StepRecorder:
         done, total = 0, len(block["trial"])
         while done < total:
             if self._filled == CHUNK_STEPS:
-                self._hand_over(trial_ended=block["step"][done] == 0)
+                self._write_chunk(trial_ended=block["step"][done] == 0)
             count = min(total - done, CHUNK_STEPS - self._filled)
             into = self._chunk[self._filled : self._filled + count]
             for name, values in block.items():
@@ -160,7 +166,7 @@ class StepRecorder:
         self._behind.end()
         self._behind.wait()
         if self._filled:
-            self._write_chunk(self._chunk[: self._filled], trial_ended=True)
+            self._write_chunk(trial_ended=True)
         with self._writing():
             self._file.finish()
 
@@ -192,20 +198,16 @@ class StepRecorder:
                     f"{block[name][row]}, the log holds 0 to {VARINT_MAX}"
                 )
 
-    def _hand_over(self, trial_ended: bool) -> None:
-        """Have the chunk, which is full, written behind, and go on with the other one."""
-        self._behind.hand(partial(self._write_chunk, self._chunk, trial_ended))
-        other = self._step_layout.blank(CHUNK_STEPS) if self._other is None else self._other
-        self._chunk, self._other, self._filled = other, self._chunk, 0
-
-    def _write_chunk(self, steps: Records, trial_ended: bool) -> None:
-        """Write `steps` as a chunk; `trial_ended`: the last of them is the last of its trial."""
-        numbers = np.arange(self._steps_written, self._steps_written + len(steps))
+    def _write_chunk(self, trial_ended: bool) -> None:
+        """Write the filled rows as a chunk; `trial_ended`: the last of them is the last of its trial."""
+        steps = self._chunk[: self._filled]
+        numbers = np.arange(self._steps_written, self._steps_written + self._filled)
         steps["sequence"] = numbers
         steps["log_time"] = steps["publish_time"] = numbers * STEP_NS
         with self._writing():
             self._file.write_chunk([steps, self._trials_of(steps, trial_ended)])
-        self._steps_written += len(steps)
+        self._steps_written += self._filled
+        self._filled = 0
 
     def _trials_of(self, steps: Records, trial_ended: bool) -> Records:
         """The `/trial` messages of the trials that end in `steps`; keeps the reward of one that goes on."""
