@@ -13,7 +13,8 @@ from visitlab_cli.plan.shards import shards
 
 CELLS = plan(load("quickstart", ["seeds=60"]))
 TOTAL = sum(seconds_of(cell) for cell in CELLS)
-ANY = Limits(jobs=1000, seconds=None, cells=0, workers=1, margin=2)
+MARGIN = 1000 / TOTAL  # whatever a version's steps cost, these make jobs of as many seconds
+ANY = Limits(jobs=1000, seconds=None, cells=0, workers=1, margin=MARGIN)
 
 
 def test_every_missing_cell_has_one_job_and_what_is_done_has_none():
@@ -36,7 +37,7 @@ def test_a_job_is_worth_its_start_and_has_time():
     for seconds in (AROUND + 60, AROUND + 200):
         found = pack(CELLS, CELLS, ANY._replace(seconds=seconds))
         assert found.longest <= seconds
-        assert len(found.jobs) <= 2 * 2 * TOTAL / (seconds - AROUND)
+        assert len(found.jobs) <= 2 * MARGIN * TOTAL / (seconds - AROUND)
     shared = pack(CELLS, CELLS, ANY._replace(workers=4, cells=60))
     assert shared.longest < pack(CELLS, CELLS, ANY._replace(cells=60)).longest / 1.5
 
@@ -47,7 +48,7 @@ def test_a_job_is_worth_its_start_and_has_time():
         ANY._replace(jobs=2, seconds=240),
         ANY._replace(seconds=240, cells=120),
         ANY._replace(seconds=182),
-        ANY._replace(jobs=3, seconds=1000, margin=30),
+        ANY._replace(jobs=3, seconds=1000, margin=15 * MARGIN),
     ],
 )
 def test_what_a_refusal_proposes_fits(limits):

@@ -47,7 +47,7 @@ class CoordinatedParameters(SweptParameters):
     """Model-based, or model-free where both agree; sweeps at every `plan_every`-th step that the first controlled."""
 
     takes_masks: ClassVar[bool] = True
-    microseconds_a_step: ClassVar[Mapping[str, float]] = {NAVIGATION: 1.3, GO_TO_HUMAN: 0.8, SOCIAL: 1.5, VISIT: 4.6}
+    microseconds_a_step: ClassVar[Mapping[str, float]] = {NAVIGATION: 0.67, GO_TO_HUMAN: 0.38, SOCIAL: 0.87, VISIT: 1.9}
     kind: Literal["coordinated"]
     threshold: float = Field(
         default=0.9, gt=0, le=1, description="agreement from which on the model-free expert acts in a state"

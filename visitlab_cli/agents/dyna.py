@@ -47,12 +47,7 @@ class Dyna(NamedTuple):
 class DynaParameters(KnownValuesParameters):
     """Epsilon-greedy, with `backups` values updated at each step: the pair just tried, and pairs drawn at random."""
 
-    microseconds_a_step: ClassVar[Mapping[str, float]] = {
-        NAVIGATION: 4.5,
-        GO_TO_HUMAN: 4.5,
-        SOCIAL: 5.8,
-        VISIT: 6.8,
-    }
+    microseconds_a_step: ClassVar[Mapping[str, float]] = {NAVIGATION: 1, GO_TO_HUMAN: 0.72, SOCIAL: 1.3, VISIT: 1.4}
     kind: Literal["dyna"]
     backups: int = Field(default=10, ge=1, le=10**6, description="values that are updated at each step")
     updates: Literal["expected", "sampled"] = Field(

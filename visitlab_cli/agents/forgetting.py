@@ -36,7 +36,7 @@ class ForgettingParameters(SweptParameters):
     """As model_based, but what was counted of a pair fades with each of its outcomes; n(s, a) stays below `k`."""
 
     takes_masks: ClassVar[bool] = True
-    microseconds_a_step: ClassVar[Mapping[str, float]] = {NAVIGATION: 1.1, GO_TO_HUMAN: 0.5, SOCIAL: 1.4, VISIT: 7.4}
+    microseconds_a_step: ClassVar[Mapping[str, float]] = {NAVIGATION: 0.58, GO_TO_HUMAN: 0.32, SOCIAL: 0.78, VISIT: 2.9}
     kind: Literal["forgetting"]
     k: int = Field(
         default=50, ge=1, le=10**6, description="outcomes that it remembers, about: counts fade by 1 - 1/k at each"

@@ -49,7 +49,7 @@ class LastSeenParameters(AgentParameters):
 
     plans: ClassVar[bool] = True
     tasks: ClassVar[tuple[str, ...]] = (NAVIGATION,)
-    microseconds_a_step: ClassVar[Mapping[str, float]] = {NAVIGATION: 1.2}
+    microseconds_a_step: ClassVar[Mapping[str, float]] = {NAVIGATION: 0.38}
     kind: Literal["last_seen"]
     gamma: float = GAMMA
     epsilon: float = EPSILON

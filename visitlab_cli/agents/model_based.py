@@ -36,7 +36,7 @@ class ModelBasedParameters(SweptParameters):
 
     pools: ClassVar[bool] = True
     takes_masks: ClassVar[bool] = True
-    microseconds_a_step: ClassVar[Mapping[str, float]] = {NAVIGATION: 2.5, GO_TO_HUMAN: 1.3, SOCIAL: 5.3, VISIT: 22.0}
+    microseconds_a_step: ClassVar[Mapping[str, float]] = {NAVIGATION: 0.64, GO_TO_HUMAN: 0.33, SOCIAL: 0.76, VISIT: 3.1}
     kind: Literal["model_based"]
     prior_strength: float | None = Field(
         default=None,

@@ -68,7 +68,7 @@ class MultiModelParameters(SweptParameters):
     takes_masks: ClassVar[bool] = True
     parts: ClassVar[tuple[str, ...]] = (MODELS_PART,)
     tasks: ClassVar[tuple[str, ...]] = (SOCIAL, VISIT)
-    microseconds_a_step: ClassVar[Mapping[str, float]] = {SOCIAL: 5.3, VISIT: 30.0}
+    microseconds_a_step: ClassVar[Mapping[str, float]] = {SOCIAL: 0.77, VISIT: 5.8}
     kind: Literal["multi_model"]
     told: bool = Field(
         default=False,

@@ -76,12 +76,7 @@ class PrioritizedSweeping(NamedTuple):
 class PrioritizedSweepingParameters(KnownValuesParameters):
     """Epsilon-greedy, with `backups` states a step backed up in the order of their priority."""
 
-    microseconds_a_step: ClassVar[Mapping[str, float]] = {
-        NAVIGATION: 10.0,
-        GO_TO_HUMAN: 12.3,
-        SOCIAL: 41.5,
-        VISIT: 52.5,
-    }
+    microseconds_a_step: ClassVar[Mapping[str, float]] = {NAVIGATION: 1.5, GO_TO_HUMAN: 1.2, SOCIAL: 7.7, VISIT: 12.0}
     kind: Literal["prioritized_sweeping"]
     backups: int = Field(default=5, ge=1, le=10**6, description="states that are backed up at each step, at most")
     theta: float = Field(

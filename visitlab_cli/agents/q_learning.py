@@ -30,7 +30,12 @@ class QLearningParameters(TabularParameters):
     """Tabular Q-learning (paper, section 4.2)."""
 
     takes_masks: ClassVar[bool] = True
-    microseconds_a_step: ClassVar[Mapping[str, float]] = {NAVIGATION: 1.1, GO_TO_HUMAN: 0.9, SOCIAL: 1.7, VISIT: 2.9}
+    microseconds_a_step: ClassVar[Mapping[str, float]] = {
+        NAVIGATION: 0.28,
+        GO_TO_HUMAN: 0.28,
+        SOCIAL: 0.39,
+        VISIT: 0.35,
+    }
     kind: Literal["q_learning"]
     gamma: float = GAMMA
     epsilon: float = EPSILON

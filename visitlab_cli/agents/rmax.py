@@ -38,7 +38,7 @@ class RMaxParameters(OneModelParameters):
     """R-max (paper, section 4.2)."""
 
     takes_masks: ClassVar[bool] = True
-    microseconds_a_step: ClassVar[Mapping[str, float]] = {NAVIGATION: 2.8, GO_TO_HUMAN: 1.3, SOCIAL: 5.2, VISIT: 20.0}
+    microseconds_a_step: ClassVar[Mapping[str, float]] = {NAVIGATION: 0.77, GO_TO_HUMAN: 0.31, SOCIAL: 0.79, VISIT: 2.7}
     kind: Literal["rmax"]
     gamma: float = GAMMA
     r_max: float = Field(default=1.0, ge=0, le=1e6, description="the largest reward, assumed of what is unknown")

@@ -48,7 +48,7 @@ class ScriptedParameters(AgentParameters):
     tasks: ClassVar[tuple[str, ...]] = (SOCIAL, VISIT)
     learns: ClassVar[bool] = False
     takes_masks: ClassVar[bool] = True
-    microseconds_a_step: ClassVar[Mapping[str, float]] = {SOCIAL: 2.4, VISIT: 3.7}
+    microseconds_a_step: ClassVar[Mapping[str, float]] = {SOCIAL: 0.34, VISIT: 0.37}
     kind: Literal["scripted"]
 
     def create(self, setting: Setting) -> GreedyTable:

@@ -20,7 +20,7 @@ class RandomParameters(AgentParameters):
     """Uniformly random actions."""
 
     learns: ClassVar[bool] = False
-    microseconds_a_step: ClassVar[Mapping[str, float]] = {NAVIGATION: 0.6, GO_TO_HUMAN: 0.9, SOCIAL: 2.1, VISIT: 2.7}
+    microseconds_a_step: ClassVar[Mapping[str, float]] = {NAVIGATION: 0.23, GO_TO_HUMAN: 0.28, SOCIAL: 0.3, VISIT: 0.3}
     kind: Literal["random"]
 
     def create(self, setting: Setting) -> UniformRandom:

@@ -51,7 +51,7 @@ class WindowedParameters(SweptParameters):
     """As model_based, but only the last `k` outcomes of each pair count."""
 
     takes_masks: ClassVar[bool] = True
-    microseconds_a_step: ClassVar[Mapping[str, float]] = {NAVIGATION: 1.5, GO_TO_HUMAN: 0.8, SOCIAL: 1.6, VISIT: 7.5}
+    microseconds_a_step: ClassVar[Mapping[str, float]] = {NAVIGATION: 0.77, GO_TO_HUMAN: 0.39, SOCIAL: 0.95, VISIT: 2.7}
     kind: Literal["windowed"]
     k: int = Field(default=50, ge=1, le=1000, description="outcomes of each pair that count: the last so many")
 

@@ -26,13 +26,13 @@ MODEL_STEPS, MODEL_GROWTH = 200_000, 0.7
 WITHOUT_COUNTS = 0.25
 """What of it an agent has that learns and keeps no counts."""
 
-PLAIN = 8.0
+PLAIN = 3.3
 """Microseconds of a step of an agent in plain Python that does not tell them: of a table of Q-learning."""
 
 
-RECORDING = {NAVIGATION: 0.22, GO_TO_HUMAN: 0.29, SOCIAL: 0.32, VISIT: 0.35}
+RECORDING = {NAVIGATION: 0.2, GO_TO_HUMAN: 0.22, SOCIAL: 0.28, VISIT: 0.3}
 """Microseconds of a step that recording it takes; what is told of a step has them in it."""
-SWEEP_SECONDS = 0.35e-3
+SWEEP_SECONDS = 0.25e-3
 """A sweep of a model that has met most of the social task, and longer than any of the other tasks'."""
 USUALLY = {VISIT: 100}
 """How often is planned by what `microseconds_a_step` tells, where that is not by the kind's own default."""

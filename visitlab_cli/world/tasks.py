@@ -108,7 +108,7 @@ TASKS = {
             (ALWAYS, HUMAN),
             _TOWARDS_HUMAN,
             N_PHYSICAL_ACTIONS,
-            Costs(seconds=0.02, log_bytes_a_step=38, model_bytes=75_000),
+            Costs(seconds=0.01, log_bytes_a_step=38, model_bytes=75_000),
         ),
         Task(
             SOCIAL,
@@ -116,7 +116,7 @@ TASKS = {
             (ALWAYS, HUMAN, ENGAGEMENT),
             _SOCIAL,
             N_SOCIAL_ACTIONS,
-            Costs(seconds=0.1, log_bytes_a_step=43, model_bytes=650_000),
+            Costs(seconds=0.015, log_bytes_a_step=43, model_bytes=650_000),
         ),
         Task(
             VISIT,
@@ -124,7 +124,7 @@ TASKS = {
             (ALWAYS, HUMAN, ENGAGEMENT, GOAL, MODULES),
             _SOCIAL,
             N_SOCIAL_ACTIONS,
-            Costs(seconds=0.04, log_bytes_a_step=42, model_bytes=700_000),
+            Costs(seconds=0.12, log_bytes_a_step=42, model_bytes=700_000),
             counts_goals=True,
         ),
     )
