@@ -219,13 +219,34 @@ def test_an_exception_leaves_the_file_unfinished(tmp_path):
     assert not path.read_bytes().endswith(MCAP0_MAGIC)
 
 
-@pytest.mark.parametrize("name", ["distance", "human_action", "goal_room"])
-def test_a_value_that_does_not_fit_is_refused(tmp_path, name):
-    columns, rows = random_steps(trials=3, trial_steps=20)
-    getattr(columns, name)[25] = 128
-    message = f"step 4 of trial 1 has {name} 128, the log holds 0 to 127"
+@pytest.mark.parametrize(
+    ("name", "trial"), [("distance", 1), ("human_action", 2), ("goal_room", 600), ("distance", 1199)]
+)
+def test_a_value_that_does_not_fit_is_refused(tmp_path, name, trial):
+    """Also in the thread, in the last block, too."""
+    columns, rows = random_steps(trials=1200, trial_steps=20)
+    getattr(columns, name)[21 * trial + 4] = 128
+    message = f"step 4 of trial {trial} has {name} 128, the log holds 0 to 127"
+    threads = threading.active_count()
     with pytest.raises(RunError, match=message):
-        record(tmp_path / "a.mcap", "visit", columns, rows)
+        record(tmp_path / "a.mcap", "visit", columns, rows, block=1000)
+    assert threading.active_count() == threads
+
+
+@pytest.mark.parametrize("one_trial_in", [1, 2])
+def test_a_block_that_was_given_may_change(tmp_path, slow, one_trial_in):
+    columns, rows = random_steps(trials=300, trial_steps=100)
+    whole = record(tmp_path / "whole.mcap", "visit", columns, rows, one_trial_in=one_trial_in).read_bytes()
+    path, size = tmp_path / "a.mcap", CHUNK_STEPS + 1
+    given = empty_columns(size)
+    with StepRecorder(path, "visit", attributes=ATTRIBUTES, config_yaml=CONFIG, one_trial_in=one_trial_in) as recorder:
+        for start in range(0, rows, size):
+            for ours, values in zip(given, columns, strict=True):
+                ours[: rows - start] = values[start : start + size]
+            recorder.write(given, min(size, rows - start))
+            for ours in given:
+                ours[:] = 0
+    assert path.read_bytes() == whole
 
 
 def test_a_value_that_the_task_lacks_is_not_looked_at(tmp_path):

@@ -17,6 +17,11 @@ class Behind:
         self._results: SimpleQueue[BaseException | None] = SimpleQueue()
         self._under_way = False
 
+    @property
+    def has_begun(self) -> bool:
+        """Whether the thread was started."""
+        return self._thread is not None
+
     def hand(self, piece: Piece) -> None:
         """Have a piece done, as soon as the one before is; at once, where no thread can be had."""
         self.wait()

@@ -2,8 +2,7 @@
 
 The file does not depend on the size of the blocks in which the steps arrive. First come the metadata and
 the config, which a crash thus leaves, then chunks of `CHUNK_STEPS` steps, each followed in the chunk by the
-trials whose last step it holds, then the summary. A block is copied, and encoded, compressed, hashed and written in a
-thread, while the next one is played.
+trials whose last step it holds, then the summary. All that costs time is done in a thread, one block behind at most.
 """
 
 import contextlib
@@ -102,27 +101,15 @@ class StepRecorder:
         if rows > len(columns.trial):
             raise ValueError(f"{rows} rows of a block of {len(columns.trial)}")
         block = {name: getattr(columns, name)[:rows] for name in self._step_layout.fields}
-        if rows < CHUNK_STEPS:  # the last one, for which a thread would hardly be worth its start
-            self._behind.wait()
-            self._append(block)
-        else:
-            self._behind.hand(partial(self._append, {name: values.copy() for name, values in block.items()}))
-
-    def _append(self, block: dict[str, npt.NDArray[Any]]) -> None:
         if self._one_trial_in > 1:
             kept = np.flatnonzero(block["trial"] % self._one_trial_in == 0)
             block = {name: values[kept] for name, values in block.items()}
-        self._check_varints(block)
-        done, total = 0, len(block["trial"])
-        while done < total:
-            if self._filled == CHUNK_STEPS:
-                self._write_chunk(trial_ended=block["step"][done] == 0)
-            count = min(total - done, CHUNK_STEPS - self._filled)
-            into = self._chunk[self._filled : self._filled + count]
-            for name, values in block.items():
-                np.copyto(into[name], values[done : done + count], casting="safe")
-            self._filled += count
-            done += count
+        if not self._behind.has_begun and self._filled + len(block["trial"]) <= CHUNK_STEPS:
+            self._append(block)  # nothing is written yet, and a cell of one chunk starts no thread
+            return
+        if self._one_trial_in == 1:
+            block = {name: values.copy() for name, values in block.items()}
+        self._behind.hand(partial(self._append, block))
 
     def position(self) -> dict[str, npt.NDArray[Any]]:
         """Where it stands, as arrays: of what is in the file, which is then on the disk, and of what is not yet.
@@ -188,6 +175,20 @@ class StepRecorder:
         else:
             self._behind.end()
             self._file.abandon()
+
+    def _append(self, block: dict[str, np.ndarray]) -> None:
+        """Encode a block, and write each chunk that more follows than it holds."""
+        self._check_varints(block)
+        done, total = 0, len(block["trial"])
+        while done < total:
+            if self._filled == CHUNK_STEPS:
+                self._write_chunk(trial_ended=block["step"][done] == 0)
+            count = min(total - done, CHUNK_STEPS - self._filled)
+            into = self._chunk[self._filled : self._filled + count]
+            for name, values in block.items():
+                np.copyto(into[name], values[done : done + count], casting="safe")
+            self._filled += count
+            done += count
 
     def _check_varints(self, block: dict[str, np.ndarray]) -> None:
         for name in self._may_not_fit:
