@@ -18,6 +18,7 @@ from visitlab_cli.errors import RunError
 from visitlab_cli.execution import cell_runner, checkpoints
 from visitlab_cli.execution.progress import Progress
 from visitlab_cli.execution.runner import run_cells
+from visitlab_cli.execution.versions import decided_by
 from visitlab_cli.plan.cells import plan
 from visitlab_cli.simulation.memory import ElsewhereError, Memory
 from visitlab_cli.storage import checkpoint_file, key
@@ -166,11 +167,12 @@ def test_a_damaged_log_can_not_be_gone_on_with(run, cell, expected, damage):
 
 
 def other_versions(monkeypatch, tmp_path):
-    monkeypatch.setattr(checkpoints, "versions", lambda kinds: {"visitlab": "0.0"})
+    others = {"versions": {"visitlab": "0.0"}}
+    monkeypatch.setattr(checkpoints, "decided_by", lambda cell: {**decided_by(cell), **others})
 
 
 def other_sources(monkeypatch, tmp_path):
-    monkeypatch.setattr(checkpoints, "sources", lambda kinds: "0" * 16)
+    monkeypatch.setattr(checkpoints, "decided_by", lambda cell: {**decided_by(cell), "sources": "0" * 16})
 
 
 def other_user(monkeypatch, tmp_path):

@@ -17,15 +17,14 @@ from visitlab_cli.errors import Interrupted
 from visitlab_cli.execution.build import Simulation, build
 from visitlab_cli.execution.checkpoints import Checkpoints, Standing
 from visitlab_cli.execution.failures import kept_if_it_fails
-from visitlab_cli.execution.versions import versions
+from visitlab_cli.execution.versions import decided_by, versions
 from visitlab_cli.log.writer import StepRecorder
 from visitlab_cli.plan.cells import Cell
 from visitlab_cli.plan.saved import modules_of
 from visitlab_cli.random_numbers import RandomState, random_state
 from visitlab_cli.simulation.loop import BLOCK_ROWS, play
-from visitlab_cli.sources import sources
 from visitlab_cli.storage.arrays import write_model, write_trials
-from visitlab_cli.storage.cell_folder import MODEL, SOURCES, STEPS, TRIALS, NewCell
+from visitlab_cli.storage.cell_folder import MODEL, STEPS, TRIALS, NewCell
 from visitlab_cli.storage.facts import CPU_SECONDS
 from visitlab_cli.world.columns import StepColumns, empty_columns
 
@@ -168,15 +167,12 @@ def saved_model(simulation: Simulation, random: RandomState) -> Saved:
 def facts_of(cell: Cell, trial_rewards: np.ndarray[Any, np.dtype[np.float64]]) -> dict[str, Any]:
     """What `cell.json` says of a cell with these rewards, shape (trials,)."""
     return {
-        "cell": cell.path,
+        **decided_by(cell),
         "seed": cell.seed,
         "steps": cell.steps,
         "trials": len(trial_rewards),
         "mean_reward_last_hundredth": last_mean(trial_rewards, 100),
         "mean_reward_last_tenth": last_mean(trial_rewards, 10),
-        "config_hash": cell.run_hash,
-        "versions": versions(cell.config.kinds),
-        SOURCES: sources(cell.config.kinds),
     }
 
 

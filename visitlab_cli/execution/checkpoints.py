@@ -17,14 +17,13 @@ import numpy.typing as npt
 
 from visitlab_cli.errors import RunError
 from visitlab_cli.execution.build import Simulation
-from visitlab_cli.execution.versions import versions
+from visitlab_cli.execution.versions import decided_by
 from visitlab_cli.log.writer import StepRecorder
 from visitlab_cli.plan.cells import Cell
 from visitlab_cli.random_numbers import RandomState
 from visitlab_cli.simulation.loop import START, Cursor
 from visitlab_cli.simulation.memory import ElsewhereError, Memory
-from visitlab_cli.sources import sources
-from visitlab_cli.storage.cell_folder import SOURCES, STEPS, NewCell, abandoned, remove_hidden, sync
+from visitlab_cli.storage.cell_folder import STEPS, NewCell, abandoned, remove_hidden, sync
 from visitlab_cli.storage.checkpoint_file import NAMES, UNFINISHED, Checkpoint, decoded, encoded, stated, write
 from visitlab_cli.storage.key import own_key
 from visitlab_cli.storage.reading import UnreadableError, open_file, read_bytes
@@ -141,7 +140,7 @@ class Checkpoints:
             **{f"{PART}{number}": array for number, array in enumerate(parts)},
         }
         facts = {
-            **_whose(self._cell),
+            **decided_by(self._cell),
             "steps": cursor.steps,
             "cursor": _plain(cursor._asdict()),
             "stretch": standing.stretch,
@@ -177,15 +176,9 @@ class Checkpoints:
         return True
 
 
-def _whose(cell: Cell) -> dict[str, Any]:
-    """What must be the same for a checkpoint to be gone on from."""
-    kinds = cell.config.kinds
-    return {"cell": cell.path, "config_hash": cell.run_hash, SOURCES: sources(kinds), "versions": versions(kinds)}
-
-
 def _found(run: Path, cell: Cell) -> Iterator[tuple[Path, bytes, Checkpoint]]:
     """The checkpoints of abandoned folders that are whole and of the cell as it is here, the newest first."""
-    ours, found = _whose(cell), []
+    ours, found = decided_by(cell), []  # which must be the same
     for folder in abandoned(run, cell.path):
         for name in NAMES:
             said = stated(folder / name)

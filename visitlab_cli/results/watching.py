@@ -5,14 +5,13 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from visitlab_cli.config.model import Config
-from visitlab_cli.execution.versions import versions
+from visitlab_cli.execution.versions import decided_by
 from visitlab_cli.plan.cells import Cell, plan
 from visitlab_cli.plan.estimate import seconds_of
 from visitlab_cli.plan.evaluation import Evaluation, recorded_evaluations
 from visitlab_cli.results.evaluated import cells_of
 from visitlab_cli.results.groups import groups_of
-from visitlab_cli.sources import sources
-from visitlab_cli.storage.cell_folder import SOURCES, read_cell
+from visitlab_cli.storage.cell_folder import read_cell
 from visitlab_cli.storage.under_way import UnderWay, checkpoints_stated, under_way
 
 
@@ -110,9 +109,7 @@ class Watch:
             cell, steps = cells.get(str(told.get("cell"))), told.get("steps")
             if cell is None or type(steps) is not int or not 0 < steps <= cell.steps:
                 continue
-            kinds = cell.config.kinds
-            ours = {"config_hash": cell.run_hash, SOURCES: sources(kinds), "versions": versions(kinds)}
-            if ours.items() <= told.items():
+            if decided_by(cell).items() <= told.items():
                 found[cell.path] = max(steps, found.get(cell.path, 0))
         return found
 
