@@ -9,6 +9,7 @@ from tests.paper_runs import crossed_run, paper_run
 from tests.program import TINY, the_run, visitlab
 from tests.recorded_trials import trial_of
 from tests.shared import made_once
+from visitlab_cli.wording import start_comparing
 
 settings.register_profile("visitlab", deadline=None)  # how fast an example is says something of the machine
 settings.load_profile("visitlab")
@@ -16,6 +17,12 @@ settings.load_profile("visitlab")
 signal.signal(signal.SIGHUP, signal.SIG_DFL)  # under nohup the program would, rightly, be deaf to it
 
 __all__ = ["crossed_run", "paper_run", "trial_of"]
+
+
+@pytest.fixture(autouse=True)
+def _names_are_compared_anew():
+    """What other tests got wrong in the same process takes no suggestion from this one."""
+    start_comparing()
 
 
 @pytest.fixture(scope="session")

@@ -127,8 +127,8 @@ def test_more_workers_gain_until_the_longest_chain_is_left():
     seconds = [estimate(cells, workers).seconds for workers in (1, 2, 3, 99)]
     assert seconds[0] > seconds[1] >= seconds[2] == seconds[3] > 0
     fixed = TASKS["social"].costs.seconds + TASKS["visit"].costs.seconds
-    step = ModelBasedParameters.microseconds_a_step["social"] / 1e6
-    assert seconds[3] == pytest.approx(500_000 * step + 2.2 + fixed)
+    step = ModelBasedParameters.microseconds_a_step
+    assert seconds[3] == pytest.approx(500_000 * step["social"] / 1e6 + 100_000 * step["visit"] / 1e6 + fixed)
 
 
 def test_every_agent_that_can_play_a_task_has_its_cost():

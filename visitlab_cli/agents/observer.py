@@ -11,7 +11,7 @@ from visitlab_cli.agents.base import learn as learn_of
 from visitlab_cli.agents.declared import Declared
 from visitlab_cli.agents.q_learning import QLearning, QLearningParameters
 from visitlab_cli.random_numbers import RandomState
-from visitlab_cli.world.tasks import GO_TO_HUMAN, NAVIGATION, SOCIAL
+from visitlab_cli.world.tasks import GO_TO_HUMAN, NAVIGATION, SOCIAL, VISIT
 
 
 class Observer(NamedTuple):
@@ -32,7 +32,7 @@ class ObserverParameters(AgentParameters):
         "acts_as": ("q_learning",),
     }
     takes_masks: ClassVar[bool] = True
-    microseconds_a_step: ClassVar[Mapping[str, float]] = {NAVIGATION: 0.38, GO_TO_HUMAN: 0.32, SOCIAL: 0.5}
+    microseconds_a_step: ClassVar[Mapping[str, float]] = {NAVIGATION: 0.38, GO_TO_HUMAN: 0.32, SOCIAL: 0.5, VISIT: 0.38}
     kind: Literal["observer"]
     watches: str = Field(description="the agent that plays until then")
     learner: str = Field(description="the q_learning agent that learns from it")
