@@ -7,6 +7,7 @@ import pytest
 
 from tests.program import TINY, hashes, visitlab
 from visitlab_cli.agents.model_based import ModelBasedParameters
+from visitlab_cli.agents.rmax import RMaxParameters
 from visitlab_cli.config.canonical import config_hash
 from visitlab_cli.config.loading import load
 from visitlab_cli.plan.cells import plan
@@ -126,9 +127,9 @@ def test_more_workers_gain_until_the_longest_chain_is_left():
     cells = plan(load("quickstart"))
     seconds = [estimate(cells, workers).seconds for workers in (1, 2, 3, 99)]
     assert seconds[0] > seconds[1] >= seconds[2] == seconds[3] > 0
-    fixed = TASKS["social"].costs.seconds + TASKS["visit"].costs.seconds
-    step = ModelBasedParameters.microseconds_a_step
-    assert seconds[3] == pytest.approx(500_000 * step["social"] / 1e6 + 100_000 * step["visit"] / 1e6 + fixed)
+    told = [(500_000, RMaxParameters, "navigation"), (100_000, ModelBasedParameters, "visit")]
+    chain = [n * kind.microseconds_a_step[task] / 1e6 + TASKS[task].costs.seconds for n, kind, task in told]
+    assert seconds[3] == pytest.approx(sum(chain))
 
 
 def test_every_agent_that_can_play_a_task_has_its_cost():
