@@ -11,7 +11,7 @@ from pathlib import Path
 from tests.faults.bench import members_of, workers_of
 from tests.faults.fault import Try, fault
 from tests.program import the_run
-from visitlab_cli.storage.checkpoint_file import NAMES
+from visitlab_cli.storage.checkpoint_file import NAMES, stated
 
 ENDING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 PATIENCE = 20.0
@@ -69,12 +69,17 @@ def killed_often(this: Try) -> None:
         time.sleep(this.random.uniform(0.3, 0.6) * this.bench.seconds)
         program.kill()
         program.wait()
-    kept, left = this.finished(out), [path for path in out.glob(f"*/.tmp-*/{NAMES[0]}")]
+    kept, left = this.finished(out), [path for path in out.glob(f"*/.tmp-*/{NAMES[0]}") if _is_to_do(path)]
     this.count = int(bool(left))
     done = this.visitlab(*arguments)
     if this.told(done, 0):
         this.wrong += ["nothing went on from a checkpoint"] * (bool(left) and "goes on from step" not in done.stderr)
         this.whole(out, kept)
+
+
+def _is_to_do(checkpoint: Path) -> bool:
+    """Whether the cell of a checkpoint is not done: what was killed just then may leave one of a cell that is."""
+    return not (checkpoint.parents[1] / str(stated(checkpoint).get("cell")) / "cell.json").exists()
 
 
 @fault("killed-worker", "kill -9 of one worker at a random moment: its cell is done again", 16, 1, ["linux"])
@@ -239,7 +244,8 @@ import importlib.abc, importlib.machinery, sys
 def wrap(original, social):
     def simulate(simulation, *rest):
         result = original(simulation, *rest)
-        if len(rest) and type(simulation.task).__name__.lower().startswith('social') and result[0].size > 1:
+        task = type(simulation.stretches[-1].task).__name__
+        if len(rest) and task.lower().startswith('social') and result[0].size > 1:
             {change}
         return result
     return simulate
@@ -263,7 +269,7 @@ sys.meta_path.insert(0, Finder())
 """
 
 
-@fault("cell-fails", "a cell that raises, or yields NaN: it alone fails, in one line", 4)
+@fault("cell-fails", "a cell that raises, or yields NaN: it alone fails, in one line", 4, 1)
 def cell_fails(this: Try) -> None:
     out = this.folder / "runs"
     site = this.folder / "site"
@@ -313,9 +319,15 @@ def removed_meanwhile(this: Try) -> None:
         if name is None or program.poll() is not None:
             break
         done = this.visitlab("runs", *arguments, "--out", out)
+        if arguments[0] == "rm" and done.code == 0:  # all was done, and the program about to end
+            was_removed = True
+            try:
+                program.wait(PATIENCE)
+            except subprocess.TimeoutExpired:
+                this.wrong.append("the run that was going on was removed")
+            break
         if program.poll() is None:
             this.told(done, *((0, 4) if arguments[0] == "prune" else (2, 4)))
-        was_removed |= arguments[0] == "rm" and done.code == 0
     ended_well = this.told(this.bench.wait(program), 0)
     if list(out.glob("faults-*")):
         this.whole(out)
