@@ -17,7 +17,7 @@ from pathlib import Path
 from benchmarks.rows import Row, markdown, show
 
 TITLES = {
-    "simulation": "Playing and recording, one core",
+    "simulation": "Playing and recording",
     "limits": "What the machine could do at most",
     "labs": "Walls, doors and plans to lead",
     "environments": "Gymnasium",

@@ -77,7 +77,10 @@ def told(done):
             ["--slurm", "--cells-per-job", "1", "--jobs", "5"],
             "--cells-per-job 1 makes 17 jobs of 17 cells; --jobs 17 fits",
         ),
-        (["--slurm", "--time", "0:01:00"], "--time 0:01:00: the longest of 17 jobs would take 0:04:00, 2 times the"),
+        (
+            ["--slurm", "--time", "0:01:00"],
+            "--time 0:01:00: the longest of 17 jobs would take 0:04:00, 3 minutes around",
+        ),
         (["experiments.visit.trials=9999999", "--slurm"], "--time 1:00:00: the longest of 17 jobs would take 1"),
     ],
 )

@@ -177,6 +177,11 @@ def trained_module(run: Path, cells: Sequence[Cell], selection: Selection) -> Ce
         damaged = [cell.path for cell in wanted if selection.matches(cell) and (run / cell.path).exists()]
         if damaged:
             raise RunError(f"{run / damaged[0]}: damaged; running again redoes it")
+        if any(cell.settings.assembled and cell.experiment == selection.experiment for cell in cells):
+            raise NotFoundError(
+                f"{run}: {selection.experiment} is a visit: choose it alone or with a human and seed that it has; with "
+                "--intents choose a training"
+            )
         known = ", ".join(dict.fromkeys(cell.group for cell in modules))
         raise NotFoundError(
             f"{run}: no such social module that is trained and learns a model"

@@ -3,7 +3,7 @@
 An agent that meets several humans and makes itself a model for each kind of them has, in the end, several learned
 Fig. 4. Its general model is all of them as one, each with its say. An arrow of Fig. 4 that each model affords is
 general; one that some afford and others do not, or that differs, is specific to a human. Whose a model is, the agent
-does not know: it is the human who was there in most of the steps that the model counts.
+does not know: it is the human who was there in the largest part of the steps that the model counts.
 """
 
 import math
@@ -155,7 +155,7 @@ def _trained_with(cell: Cell) -> str:
 
 
 def _whose(steps: Mapping[str, int], trained: int, trained_with: str) -> str:
-    """The human with whom most of the steps were that a model counts, training's among them."""
+    """The human with whom the largest part of the steps was that a model counts, training's among them."""
     met = dict(steps)
     met[trained_with] = met.get(trained_with, 0) + trained
     return max(met, key=lambda human: met[human])

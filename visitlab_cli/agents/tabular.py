@@ -18,7 +18,7 @@ class TabularParameters(AgentParameters):
     symmetric: bool = Field(
         default=False,
         description="whether states that differ by a turn or a reflection of the lab are learned as one; only in the "
-        "social task and the visit",
+        "social task and the visit, and of what plans on a model only with `unvisited: zero`",
         json_schema_extra=since("0.2.0"),
     )
 

@@ -163,7 +163,7 @@ class Visit(InLab, HiddenEngagement):
     @property
     def seconds_a_trial(self) -> float:
         """Eight sweeps of a lead plan every ten trials, where what it is made of has changed."""
-        return 0.04 if LEAD in self.options else 0.0
+        return 0.015 if LEAD in self.options else 0.0
 
     @property
     def counted_in(self) -> str:

@@ -114,9 +114,8 @@ class _Work:
             if more.longest <= seconds:
                 fitting.append(f"--jobs {len(more.jobs)}{' without --cells-per-job' if self.limits.cells else ''}")
         jobs = f"{len(found.jobs)} job{'s' if len(found.jobs) > 1 else ''}"
-        told = (
-            f"the longest of {jobs} would take {in_clock(found.longest, 60)}, {self.limits.margin:g} times the estimate"
-        )
+        told = f"the longest of {jobs} would take {in_clock(found.longest, 60)}"
+        told += f", {AROUND / 60:g} minutes around playing and {self.limits.margin:g} times its estimate"
         return f"--time {in_clock(seconds, 1)}: {told}; {' or '.join(fitting)} fits"
 
 
