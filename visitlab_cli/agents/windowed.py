@@ -10,16 +10,7 @@ from pydantic import Field
 from visitlab_cli.agents.base import CHOOSE, CHOOSE_AS, LEARN, Saved, Setting, zeros
 from visitlab_cli.agents.declared import Declared, counts, floats
 from visitlab_cli.agents.exploration import Table, epsilon_greedy, epsilon_greedy_as
-from visitlab_cli.agents.sparse_model import (
-    Counts,
-    SparseModel,
-    count,
-    empty_model,
-    restored_model,
-    sweep,
-    times,
-    uncount,
-)
+from visitlab_cli.agents.sparse_model import Counts, SparseModel, count, empty_model, restored_model, sweep, uncount
 from visitlab_cli.agents.swept import SweptParameters
 from visitlab_cli.compiled import kernel
 from visitlab_cli.random_numbers import RandomState
@@ -141,14 +132,8 @@ def count_in_window(model: SparseModel, windows: Windows, pair: int, reward: flo
     place = model.visits[pair]
     if place == k:
         place = windows.oldest[pair]
-        windows.oldest[pair] = place + 1 if place + 1 < k else 0
-        old_state, old_reward = windows.states[pair, place], windows.rewards[pair, place]
-        if old_state == next_state and times(model, pair, next_state) > 1:  # what follows the pair stays as it is
-            windows.rewards[pair, place] = reward
-            model.reward_sums[pair] = model.reward_sums[pair] - old_reward + reward
-            model.mean_rewards[pair] = model.reward_sums[pair] / model.visits[pair]
-            return
-        uncount(model, pair, old_reward, old_state)
+        windows.oldest[pair] = (place + 1) % k
+        uncount(model, pair, windows.rewards[pair, place], windows.states[pair, place])
     windows.states[pair, place] = next_state
     windows.rewards[pair, place] = reward
     count(model, pair, reward, next_state)
