@@ -104,8 +104,7 @@ def _beginning(run: Path, visit: Cell) -> Affordances:
 
 def pool_of(visit: Cell) -> tuple[str, ...]:
     """The paths of the trainings that a visit's pool puts together; none where it has no pool."""
-    social = [path for role, path in visit.modules.items() if role not in visit.settings.steering]
-    return tuple(social) if visit.settings.pooled else ()
+    return tuple(visit.modules[role] for role in visit.settings.pooled)
 
 
 def _read(run: Path, cell: Cell) -> tuple[Levels, PolicyMap]:

@@ -194,9 +194,9 @@ class Experiment(Settings):
         raise NotImplementedError
 
     @property
-    def pooled(self) -> bool:
-        """Whether its agent begins with what several trainings have learned."""
-        return False
+    def pooled(self) -> tuple[str, ...]:
+        """Those of `starts`, by their roles, that its agent begins with as one; none where there is no pool."""
+        return ()
 
     def with_any_agent(self) -> Self:
         """What visits share that differ in whose social module plays: the same with `*` for its agent."""

@@ -206,9 +206,9 @@ class Visit(InLab, HiddenEngagement):
         return self.model_copy(update={"trials": trials, "phases": ()})
 
     @property
-    def pooled(self) -> bool:
+    def pooled(self) -> tuple[str, ...]:
         """As declared."""
-        return self.modules.pool is not None
+        return tuple(role for role in self.starts if role not in self.steering) if self.modules.pool else ()
 
     def with_any_agent(self) -> Self:
         """Of its social module, or of all of a pool."""
@@ -300,7 +300,7 @@ class Visit(InLab, HiddenEngagement):
         pool = self.modules.pool
         if pool is None:
             return saved[SOCIAL]
-        several = [saved[role] for role in self.starts if role not in self.steering]
+        several = [saved[role] for role in self.pooled]
         return {**saved[SOCIAL], **agent.pooled(setting, several, pool.prior_strength)}
 
     def restored(self, agent: AgentParameters, setting: Setting, saved: Saved) -> Any:
