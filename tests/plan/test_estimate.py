@@ -5,8 +5,8 @@ import pytest
 from tests.program import TINY
 from visitlab_cli.config.loading import load
 from visitlab_cli.plan.cells import plan
-from visitlab_cli.plan.estimate import RECORDING, SWEEP_SECONDS, seconds_of
-from visitlab_cli.world.tasks import TASK_NAMES
+from visitlab_cli.plan.estimate import SWEEP_SECONDS, seconds_of
+from visitlab_cli.world.tasks import TASKS
 
 STEPS = 1_000_000
 
@@ -33,5 +33,4 @@ def test_a_visit_plans_as_it_says_itself():
 def test_what_is_not_recorded_takes_less(steps, share):
     more = f"experiments.social.steps={STEPS}", "agents.mb.plan_every=1000"
     told = [seconds("social/mb/", *more, f"record.steps={each}") for each in ("every", steps)]
-    assert told[0] - told[1] == pytest.approx(RECORDING["social"] * (1 - share) * STEPS / 1e6)
-    assert set(RECORDING) == set(TASK_NAMES)
+    assert told[0] - told[1] == pytest.approx(TASKS["social"].costs.recording * (1 - share) * STEPS / 1e6)

@@ -11,7 +11,7 @@ from typing import NamedTuple
 from visitlab_cli.agents.registry import KINDS
 from visitlab_cli.agents.uniform_random import RandomParameters
 from visitlab_cli.plan.cells import Cell
-from visitlab_cli.world.tasks import GO_TO_HUMAN, NAVIGATION, SOCIAL, VISIT
+from visitlab_cli.world.tasks import SOCIAL, VISIT
 
 LOG_BYTES = 11_000.0
 """A log without steps: schema, config, index."""
@@ -29,9 +29,6 @@ WITHOUT_COUNTS = 0.25
 PLAIN = 3.3
 """Microseconds of a step of an agent in plain Python that does not tell them: of a table of Q-learning."""
 
-
-RECORDING = {NAVIGATION: 0.2, GO_TO_HUMAN: 0.22, SOCIAL: 0.28, VISIT: 0.3}
-"""Microseconds of a step that recording it takes; what is told of a step has them in it."""
 SWEEP_SECONDS = 0.25e-3
 """A sweep of a model that has met most of the social task, and longer than any of the other tasks'."""
 USUALLY = {VISIT: 100}
@@ -64,7 +61,7 @@ def seconds_of(cell: Cell) -> float:
     agent = RandomParameters if cell.frozen else cell.config.agents[cell.agent]  # frozen: neither learns nor plans
     told = agent.microseconds_a_step.get(cell.task, PLAIN if not agent.compiled() else _dearest(cell.task))
     planning = cell.trials * cell.settings.seconds_a_trial
-    told = max(0.0, told - RECORDING[cell.task] * (1 - _recorded(cell) / cell.steps))
+    told = max(0.0, told - cell.settings.plays.costs.recording * (1 - _recorded(cell) / cell.steps))
     return cell.settings.plays.costs.seconds + planning + cell.steps * (told / 1e6 + _more_sweeps(cell))
 
 

@@ -39,11 +39,13 @@ class Rooms(Protocol):
 class Costs(NamedTuple):
     """What a cell of a task costs beside its agent's steps: of version 0.1 on a core of an ordinary server in 2026.
 
-    `seconds` of a cell of a few steps, whose tables are made and files written; bytes of a recorded step in
-    `steps.mcap`; bytes of a `model.npz` with counts when hardly anything new is met.
+    `seconds` of a cell of a few steps, whose tables are made and files written; `recording`, the microseconds of a step
+    that recording takes, which are in what agents tell of one; bytes of a recorded step in `steps.mcap`; bytes of a
+    `model.npz` with counts when hardly anything new is met.
     """
 
     seconds: float
+    recording: float
     log_bytes_a_step: float
     model_bytes: float
 
@@ -100,7 +102,7 @@ TASKS = {
             (ALWAYS, GOAL),
             None,
             N_PHYSICAL_ACTIONS,
-            Costs(seconds=0.02, log_bytes_a_step=38, model_bytes=360_000),
+            Costs(seconds=0.02, recording=0.2, log_bytes_a_step=38, model_bytes=360_000),
         ),
         Task(
             GO_TO_HUMAN,
@@ -108,7 +110,7 @@ TASKS = {
             (ALWAYS, HUMAN),
             _TOWARDS_HUMAN,
             N_PHYSICAL_ACTIONS,
-            Costs(seconds=0.01, log_bytes_a_step=38, model_bytes=75_000),
+            Costs(seconds=0.01, recording=0.22, log_bytes_a_step=38, model_bytes=75_000),
         ),
         Task(
             SOCIAL,
@@ -116,7 +118,7 @@ TASKS = {
             (ALWAYS, HUMAN, ENGAGEMENT),
             _SOCIAL,
             N_SOCIAL_ACTIONS,
-            Costs(seconds=0.015, log_bytes_a_step=43, model_bytes=650_000),
+            Costs(seconds=0.015, recording=0.28, log_bytes_a_step=43, model_bytes=650_000),
         ),
         Task(
             VISIT,
@@ -124,7 +126,7 @@ TASKS = {
             (ALWAYS, HUMAN, ENGAGEMENT, GOAL, MODULES),
             _SOCIAL,
             N_SOCIAL_ACTIONS,
-            Costs(seconds=0.12, log_bytes_a_step=42, model_bytes=700_000),
+            Costs(seconds=0.12, recording=0.3, log_bytes_a_step=42, model_bytes=700_000),
             counts_goals=True,
         ),
     )
