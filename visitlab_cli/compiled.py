@@ -116,7 +116,7 @@ def array_kernel(function: Function) -> Function:
 
 def _kernel(function: Function, forceinline: bool, counts: bool = False) -> Function:
     counts = is_others(function.__code__.co_filename) or counts
-    options = {"nogil": True, "forceinline": forceinline, "_nrt": counts, "no_cfunc_wrapper": True}
+    options = {**_UNCOUNTED, "nogil": True, "forceinline": forceinline, "_nrt": counts}
     dispatcher = _cached(function, "", options)
     if not JIT_DISABLED:
         inner = _cached(function, ".inner", {**options, "no_cpython_wrapper": True})

@@ -53,12 +53,12 @@ def test_one_that_only_says_that_it_did_is_found_out(what, tmp_path, monkeypatch
 
 MOUNTS = """\
 22 1 8:1 / / rw,relatime shared:1 - ext4 /dev/sda1 rw
-30 22 0:40 / /home rw,noatime shared:2 master:1 - nfs4 server:/home rw,vers=4.2,local_lock=none
+30 22 0:40 / /net rw,noatime shared:2 master:1 - nfs4 server:/net rw,vers=4.2,local_lock=none
 31 22 0:41 / /old rw - nfs server:/old rw,vers=3,nolock,local_lock=all
 32 22 0:42 / /with\\040space rw - lustre mds:/scratch rw,flock
 33 22 0:43 / /lustre rw - lustre mds:/scratch rw
 34 22 0:44 / /new rw - somefs x rw
-35 30 0:45 / /home/me rw - tmpfs tmpfs rw
+35 30 0:45 / /net/mine rw - tmpfs tmpfs rw
 """
 
 
@@ -66,9 +66,9 @@ MOUNTS = """\
     ("folder", "kind", "local", "shared", "alone"),
     [
         ("/var/runs", "ext4", True, False, ""),
-        ("/home/you/runs", "nfs4", False, True, ""),
-        ("/home/me/runs", "tmpfs", True, False, ""),
-        ("/homes", "ext4", True, False, ""),
+        ("/net/yours/runs", "nfs4", False, True, ""),
+        ("/net/mine/runs", "tmpfs", True, False, ""),
+        ("/nets", "ext4", True, False, ""),
         ("/old", "nfs", False, True, "local_lock=all, nolock"),
         ("/with space/runs", "lustre", False, True, ""),
         ("/lustre", "lustre", False, True, "no option flock"),
