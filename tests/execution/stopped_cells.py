@@ -15,7 +15,8 @@ from visitlab_cli.config.loading import load
 from visitlab_cli.errors import Interrupted
 from visitlab_cli.execution import cell_runner, checkpoints
 from visitlab_cli.plan.cells import plan
-from visitlab_cli.storage.cell_folder import CELL, TIMING, read_cell, remove_leftovers
+from visitlab_cli.storage.cell_folder import CELL, TIMING, read_cell
+from visitlab_cli.storage.leftovers import remove_leftovers
 
 CONFIG = """
 name: stopped

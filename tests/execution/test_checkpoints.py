@@ -22,8 +22,9 @@ from visitlab_cli.execution.versions import decided_by
 from visitlab_cli.plan.cells import plan
 from visitlab_cli.simulation.memory import ElsewhereError, Memory
 from visitlab_cli.storage import checkpoint_file, key
-from visitlab_cli.storage.cell_folder import lock_of, remove_leftovers
+from visitlab_cli.storage.cell_folder import lock_of
 from visitlab_cli.storage.checkpoint_file import NAMES
+from visitlab_cli.storage.leftovers import remove_leftovers
 from visitlab_cli.storage.removal import prune, remove_run
 
 CONFIG = """

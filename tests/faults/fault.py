@@ -1,5 +1,6 @@
 """A class of faults, one try of it, and the list of all classes."""
 
+import os
 import random
 import re
 import shutil
@@ -110,9 +111,16 @@ class Try:
     def resumed(self, out: Path, kept: dict[str, int] | None = None, **options: object) -> None:
         """Run again: it ends well, with the bytes of an undisturbed run; what was finished is untouched."""
         kept = self.finished(out) if kept is None else kept
+        self.later(out)
         if not self.told(self.run(out, **options), 0):
             return
         self.whole(out, kept)
+
+    def later(self, out: Path) -> None:
+        """Let some time pass: of a file without a lock nobody can tell at once whether it is still being written."""
+        for file in out.glob("*/.tmp-*"):
+            if file.is_file() and file.suffix != ".lock":
+                os.utime(file, (1, 1))
 
     def whole(self, out: Path, kept: dict[str, int] | None = None) -> None:
         """The run below `out` is as the undisturbed one, and what was finished is untouched."""

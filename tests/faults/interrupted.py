@@ -71,6 +71,7 @@ def killed_often(this: Try) -> None:
         program.wait()
     kept, left = this.finished(out), [path for path in out.glob(f"*/.tmp-*/{NAMES[0]}") if _is_to_do(path)]
     this.count = int(bool(left))
+    this.later(out)
     done = this.visitlab(*arguments)
     if this.told(done, 0):
         this.wrong += ["nothing went on from a checkpoint"] * (bool(left) and "goes on from step" not in done.stderr)

@@ -8,7 +8,8 @@ import sys
 import pytest
 
 from visitlab_cli.errors import RunError
-from visitlab_cli.storage.cell_folder import NewCell, describe, lock_of, read_cell, remove_leftovers
+from visitlab_cli.storage.cell_folder import NewCell, describe, lock_of, read_cell
+from visitlab_cli.storage.leftovers import remove_leftovers
 
 FACTS = {
     "cell": "a/b/seed-0000",

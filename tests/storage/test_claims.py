@@ -12,8 +12,9 @@ import time
 import pytest
 
 from visitlab_cli.storage import locks
-from visitlab_cli.storage.cell_folder import NewCell, remove_leftovers
+from visitlab_cli.storage.cell_folder import NewCell
 from visitlab_cli.storage.claims import BEAT_SECONDS, DEAD_SECONDS, Claims, Owner, claim_file
+from visitlab_cli.storage.leftovers import remove_leftovers
 from visitlab_cli.storage.under_way import under_way
 
 CELL = "social/mb/fast/seed-0000"

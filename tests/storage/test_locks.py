@@ -12,8 +12,9 @@ import pytest
 
 from visitlab_cli.errors import RunError
 from visitlab_cli.storage import locks
-from visitlab_cli.storage.cell_folder import NewCell, lock_of, remove_leftovers
+from visitlab_cli.storage.cell_folder import NewCell, lock_of
 from visitlab_cli.storage.file_system import what_works
+from visitlab_cli.storage.leftovers import remove_leftovers
 from visitlab_cli.storage.locks import HeldError, being_written, is_abandoned, lock, to_remove
 
 

@@ -2,12 +2,14 @@
 
 import os
 import shutil
+import time
 
 import pytest
 
 from visitlab_cli.errors import NotFoundError, RunError, UsageError
 from visitlab_cli.origin import HTML
-from visitlab_cli.storage.cell_folder import NewCell, remove_leftovers
+from visitlab_cli.storage.cell_folder import NewCell
+from visitlab_cli.storage.leftovers import YOUNG, remove_leftovers
 from visitlab_cli.storage.locks import being_written
 from visitlab_cli.storage.removal import prune, remove_run
 
@@ -104,6 +106,19 @@ def test_prune_keeps_what_is_being_written_and_what_is_not_ours(run):
         with pytest.raises(RunError, match="is being written"):
             remove_run(run)
     assert (mine / "model.npz").exists()
+
+
+@pytest.mark.parametrize("place", [".", "figures", "evaluations/told"])
+def test_what_was_being_written_in_a_run_that_is_gone_on_with_goes_once_it_is_old(run, place):
+    (run / place).mkdir(parents=True, exist_ok=True)
+    young, old = (run / place / f".tmp-0123456{digit}-config.yaml" for digit in "78")
+    for file, age in ((young, YOUNG / 2), (old, YOUNG + 1)):
+        file.touch()
+        os.utime(file, (time.time() - age,) * 2)
+    remove_leftovers(run)
+    assert (young.exists(), old.exists()) == (True, False)
+    prune(run)
+    assert young.exists()
 
 
 @pytest.mark.parametrize("place", [".tmp-mine/data", ".tmp-mine-01234567/data", ".tmp-data", ".tmp-mine-01234567"])

@@ -23,9 +23,10 @@ from visitlab_cli.plan.cells import Cell
 from visitlab_cli.random_numbers import RandomState
 from visitlab_cli.simulation.loop import START, Cursor
 from visitlab_cli.simulation.memory import ElsewhereError, Memory
-from visitlab_cli.storage.cell_folder import STEPS, NewCell, abandoned, remove_hidden, sync
+from visitlab_cli.storage.cell_folder import STEPS, NewCell, sync
 from visitlab_cli.storage.checkpoint_file import NAMES, UNFINISHED, Checkpoint, decoded, encoded, stated, write
 from visitlab_cli.storage.key import own_key
+from visitlab_cli.storage.leftovers import abandoned, remove_hidden
 from visitlab_cli.storage.reading import UnreadableError, open_file, read_bytes
 from visitlab_cli.world.scene import Scene
 

@@ -22,9 +22,10 @@ from visitlab_cli.execution.workers import Workers
 from visitlab_cli.plan.cells import Cell
 from visitlab_cli.plan.evaluation import record_evaluation
 from visitlab_cli.stopping import check_asked, ending_signals
-from visitlab_cli.storage.cell_folder import read_cell, remove_leftovers
+from visitlab_cli.storage.cell_folder import read_cell
 from visitlab_cli.storage.claims import Claims, Owner
 from visitlab_cli.storage.inside import check_all_inside, look_anew
+from visitlab_cli.storage.leftovers import remove_leftovers
 from visitlab_cli.storage.reading import UnreadableError
 
 POLL_SECONDS = 0.1

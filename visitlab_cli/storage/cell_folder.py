@@ -9,7 +9,6 @@ A long cell keeps checkpoints in its hidden folder (`checkpoint_file.py`): one t
 its cell is done, for whoever does that next to go on from.
 """
 
-import contextlib
 import hashlib
 import json
 import os
@@ -17,13 +16,13 @@ import re
 import shutil
 import stat
 import uuid
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
 from visitlab_cli.errors import Interrupted, RunError
-from visitlab_cli.storage.checkpoint_file import NAMES, UNFINISHED, stated_cell
+from visitlab_cli.storage.checkpoint_file import NAMES, UNFINISHED
 from visitlab_cli.storage.facts import (
     CELL,
     CELL_FORMAT,
@@ -36,7 +35,7 @@ from visitlab_cli.storage.facts import (
     malformed,
 )
 from visitlab_cli.storage.inside import check_inside
-from visitlab_cli.storage.locks import Heart, HeldError, is_abandoned, lock, older_than_an_hour
+from visitlab_cli.storage.locks import Heart, HeldError, lock
 from visitlab_cli.storage.reading import check_damage, open_file, read_json, size_of
 
 __all__ = [
@@ -49,15 +48,12 @@ __all__ = [
     "TIMING",
     "TRIALS",
     "NewCell",
-    "abandoned",
     "describe",
-    "is_left_over",
+    "hidden_name",
     "lock_of",
     "one_line",
     "read_cell",
     "reason",
-    "remove_hidden",
-    "remove_leftovers",
     "sync",
     "to_json",
     "write_durably",
@@ -148,7 +144,7 @@ class NewCell:
     def __init__(self, run: Path, path: str) -> None:
         """Begin the cell `path` (relative to the folder `run`)."""
         self.place = run / path
-        self.folder = run / f"{_hidden_name(path)}-{uuid.uuid4().hex[:8]}"
+        self.folder = run / f"{hidden_name(path)}-{uuid.uuid4().hex[:8]}"
         self._run, self._path = run, path
 
     def __enter__(self) -> Self:
@@ -256,57 +252,6 @@ def lock_of(folder: Path) -> Path:
     return folder.with_name(folder.name + LOCK)
 
 
-def is_left_over(path: Path) -> bool:
-    """Whether a hidden folder, or its lock file, is of somebody who is surely gone."""
-    file = path if path.name.endswith(LOCK) else lock_of(path)
-    if not file.is_symlink() and file.exists():
-        return is_abandoned(file, begun=_has_begun(file))
-    return older_than_an_hour(path)  # of a version that had no lock files, or half removed
-
-
-def _has_begun(file: Path) -> bool:
-    """Whether the folder that a lock file is of is there; a claim has none."""
-    return file.with_name(file.name.removesuffix(LOCK)).exists()
-
-
-def _hidden_name(path: str) -> str:
+def hidden_name(path: str) -> str:
     """How the names of a cell's hidden folders begin."""
     return TEMPORARY + path.replace("/", "-")[:100]
-
-
-def abandoned(run: Path, path: str) -> Iterator[Path]:
-    """The hidden folders in which somebody who is surely gone wrote a cell, and left checkpoints."""
-    for folder in temporaries(run):
-        mine = folder.is_dir() and folder.name.rpartition("-")[0] == _hidden_name(path)
-        if mine and stated_cell(folder) == path and is_left_over(folder):
-            yield folder
-
-
-def remove_leftovers(run: Path) -> None:
-    """Remove what processes left that are surely gone; what is being written stays, or what a cell can go on from."""
-    found = [path for path in temporaries(run) if path.is_dir() or path.name.endswith(LOCK)]
-    for path in sorted(found, key=lambda path: path.name.endswith(LOCK)):
-        if path.is_file():
-            if not _has_begun(path):
-                is_abandoned(path, begun=False, remove=True)
-        elif is_left_over(path) and not _is_to_go_on(run, path):
-            remove_hidden(path)
-
-
-def remove_hidden(folder: Path) -> None:
-    """Remove a hidden folder, then its lock file."""
-    shutil.rmtree(folder, ignore_errors=True)
-    with contextlib.suppress(OSError):
-        lock_of(folder).unlink()
-
-
-def _is_to_go_on(run: Path, folder: Path) -> bool:
-    """Whether a hidden folder has checkpoints of a cell that is not done."""
-    path = stated_cell(folder)
-    if path is None or folder.name.rpartition("-")[0] != _hidden_name(path):
-        return False
-    try:
-        check_inside(run, run / path)
-        return read_cell(run / path) is None
-    except RunError:
-        return True  # nobody can tell

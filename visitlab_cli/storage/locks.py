@@ -310,10 +310,10 @@ def _clock(folder: Path) -> float:
             probe.unlink()
 
 
-def older_than_an_hour(path: Path) -> bool:
-    """Whether nothing touched a path for an hour, by its file system's clock."""
+def older_than(path: Path, seconds: float) -> bool:
+    """Whether nothing touched a path for so long, by its file system's clock."""
     try:
-        return _clock(path.parent) - path.lstat().st_mtime > SILENT
+        return _clock(path.parent) - path.lstat().st_mtime > seconds
     except OSError:
         return False
 

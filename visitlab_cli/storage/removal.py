@@ -4,7 +4,6 @@ import contextlib
 import os
 import re
 import shutil
-import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
@@ -14,14 +13,13 @@ from visitlab_cli.errors import NotFoundError, RunError, UsageError, VisitlabErr
 from visitlab_cli.origin import is_ours
 from visitlab_cli.storage.cell_folder import (
     DAMAGED,
-    LOCK,
     OF_CELLS,
     TEMPORARY,
-    is_left_over,
     is_temporary,
     one_line,
     read_cell,
 )
+from visitlab_cli.storage.leftovers import is_left_over, is_locked
 from visitlab_cli.storage.locks import RUN_LOCK, to_remove
 from visitlab_cli.storage.on_disk import (
     EVALUATIONS,
@@ -38,8 +36,6 @@ from visitlab_cli.storage.on_disk import (
 from visitlab_cli.storage.reading import check_damage
 from visitlab_cli.storage.run_folder import CONFIG, VERSIONS, hash_of_name, is_run, read_config, read_versions, run_name
 
-YOUNG = 60.0
-"""Seconds in which a temporary file may still be in use."""
 _FIGURE = re.compile(r"(fig[6-9]|grid|phases|matrix|affordances[\w.-]*)\.(svg|png|pdf)")
 """The pictures that visitlab draws into a run."""
 
@@ -80,15 +76,8 @@ def _prune(run: Path, dry_run: bool) -> Pruned:
 
 
 def _in_use(path: Path) -> str | None:
-    if not path.name.startswith(TEMPORARY):
-        return None
-    busy = not is_left_over(path) if _is_locked(path) else time.time() - path.lstat().st_mtime < YOUNG
+    busy = path.name.startswith(TEMPORARY) and not is_left_over(path)
     return "is being written" if busy else None
-
-
-def _is_locked(path: Path) -> bool:
-    """Whether it is something temporary that says who writes it: a cell's folder or its lock file, or a claim."""
-    return _is_folder(path) or path.name.endswith(LOCK)
 
 
 def _holds_foreign(path: Path) -> str | None:
@@ -112,7 +101,7 @@ def check_removable(run: Path) -> None:
         raise NotFoundError(f"{run}: not a run (a run's folder is called name-hash and has {CONFIG} and {VERSIONS})")
     if hash_of_name(run) is None:
         raise RunError(f"{run}: was renamed, so that it may be kept; to remove it, rename it to {_name_made_with(run)}")
-    busy = [path.name for path in leftovers(run) if _is_locked(path) and not is_left_over(path)]
+    busy = [path.name for path in leftovers(run) if is_locked(path) and not is_left_over(path)]
     if busy:
         raise RunError(f"{run}: is being written ({busy[0]}); stop that first")
     foreign = next(foreign_files(run), None)

@@ -4,9 +4,10 @@ import time
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from visitlab_cli.storage.cell_folder import LOCK, is_left_over, temporaries
+from visitlab_cli.storage.cell_folder import LOCK, temporaries
 from visitlab_cli.storage.checkpoint_file import NAMES, stated
 from visitlab_cli.storage.claims import CLAIM, Owner, owner_of
+from visitlab_cli.storage.leftovers import is_left_over
 from visitlab_cli.storage.locks import told_in
 
 
