@@ -2,16 +2,18 @@
 
 import json
 import os
+import resource
 import shutil
 import subprocess
 import sys
 import time
+from functools import partial
 from pathlib import Path
 
 import pytest
 
 import visitlab_cli
-from tests.program import TINY, hashes, the_run
+from tests.program import TINY, hashes, new_process, the_run
 from visitlab_cli.config.loading import load
 from visitlab_cli.execution import workers
 from visitlab_cli.execution.progress import Progress
@@ -128,3 +130,13 @@ def test_at_the_end_no_pool_that_was_given_up_is_still_closing(tmp_path, monkeyp
     assert manager.is_alive()
     pool.close()
     assert not manager.is_alive()
+
+
+@pytest.mark.parametrize("most", [18, 22, 26])
+def test_where_few_files_may_be_open_that_is_said_in_a_line_and_what_starts_the_workers_says_nothing(tmp_path, most):
+    few = partial(resource.setrlimit, resource.RLIMIT_NOFILE, (most, most))
+    environment = {"NUMBA_DISABLE_JIT": "1"}
+    done = new_process("run", TINY, NAVIGATION, "-w", 2, "-q", "--out", tmp_path, env=environment, preexec_fn=few)
+    assert done.returncode == 4
+    assert done.stderr.splitlines()[0].startswith("the system does not let us go on: Too many open files (at most")
+    assert len(done.stderr.splitlines()) == 1

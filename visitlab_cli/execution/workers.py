@@ -34,6 +34,8 @@ STOP = 0
 """Place of the stop flag in the shared memory; worker slot i has three places from 1 + 3 i on, as `OF_SLOT` says."""
 OF_SLOT = _STEPS, _PROCESS, _FROM = range(3)
 """What is told of a slot: steps done, the process, the step from which its cell was gone on with."""
+TO_BEGIN, TO_START = 16, 8
+"""How many files are open at once while the first worker starts, with what starts it, and while another one does."""
 GIVEN_UP_SECONDS = 5.0
 """How long `close` waits for a pool that was given up: its manager ends when its last worker does."""
 SAFE_PATH, MAIN = "PYTHONSAFEPATH", "__main__"
@@ -72,6 +74,8 @@ class Workers:
         """Run a cell in a free `slot`."""
         for what, at_first in zip(OF_SLOT, (NOT_BEGUN, 0, 0), strict=True):
             self._shared[_place(slot, what)] = at_first
+        if self.count > 1:
+            check_room(TO_BEGIN if self._executor is None else TO_START)
         if self._executor is None:
             self._executor = self._start()
         with as_the_program() if self.count > 1 else nullcontext():  # the pool starts its processes as work comes
@@ -126,6 +130,21 @@ class Workers:
 
 def _place(slot: int, what: int) -> int:
     return 1 + len(OF_SLOT) * slot + what
+
+
+def check_room(files: int) -> None:
+    """Check that so many more files may be open: what starts the workers would end with its own words where not.
+
+    Raises:
+        OSError: they may not.
+    """
+    opened: list[int] = []
+    try:
+        while len(opened) < files:
+            opened += os.pipe()
+    finally:
+        for each in opened:
+            os.close(each)
 
 
 def _start_servers() -> None:
