@@ -5,7 +5,9 @@ import shutil
 
 import pytest
 
+from tests.log.blocks import random_steps, record
 from tests.program import visitlab
+from visitlab_cli.storage.cell_folder import is_temporary
 
 CELL = "visit/fast/seed-0000"
 TRIALS, TRIAL_STEPS = 4, 100
@@ -34,7 +36,7 @@ def test_a_log_without_an_end_is_recovered_and_shown(log):
     done = visitlab("recover", "steps.mcap", cwd=log.parent)
     assert done.returncode == 0, done.stderr
     assert done.stdout == "steps.recovered.mcap: 400 steps, 4 whole trials\n"
-    line = "steps.mcap was cut or damaged: 0 bytes in it are not whole and left out; it was not changed\n"
+    line = "steps.mcap was cut or damaged, but every record that is in it is whole and saved; it was not changed\n"
     assert done.stderr == line  # only the summary was cut
     assert (log.parent / "steps.recovered.mcap").read_bytes() == whole
     assert log.read_bytes() == whole[:-100]
@@ -86,3 +88,28 @@ def test_nothing_to_save_and_nothing_there(log):
     assert not log.with_name("steps.recovered.mcap").exists()
     done = visitlab("recover", log.with_name("other.mcap"))
     assert (done.returncode, done.stderr) == (5, f"{log.with_name('other.mcap')}: no such file\n")
+
+
+def test_a_log_in_a_hidden_folder_is_saved_beside_the_run_and_the_folder_stays_one(tiny_run, tmp_path):
+    run = tmp_path / "runs" / tiny_run.name
+    for place in (run, run / "evaluations" / "01234567"):
+        hidden = place / ".tmp-visit-fast-seed-0001-89abcdef"
+        hidden.mkdir(parents=True)
+        cut(shutil.copy(tiny_run / CELL / "steps.mcap", hidden / "steps.mcap"), -100)
+    shutil.copy(tiny_run / "config.yaml", run)
+    saved = run.parent / "visit-fast-seed-0001-89abcdef.recovered.mcap"
+    for where, log in ((run, ".tmp-visit-fast-seed-0001-89abcdef/steps.mcap"), (hidden, "steps.mcap")):
+        done = visitlab("recover", log, cwd=where)
+        assert (done.returncode, done.stdout) == (0, f"{saved}: 400 steps, 4 whole trials\n"), done.stderr
+        assert is_temporary((where / log).parent)
+        saved.unlink()
+
+
+@pytest.mark.parametrize(("end", "words"), [(-8, "no step had been written to it"), (0, "it is empty")])
+def test_a_log_to_which_no_step_was_written_says_so(tmp_path, end, words):
+    columns, _ = random_steps(trials=1, trial_steps=2)
+    log = record(tmp_path / "steps.mcap", "social", columns, rows=0)
+    cut(log, end)
+    done = visitlab("recover", log)
+    assert (done.returncode, done.stdout) == (4, "")
+    assert done.stderr == f"{log}: nothing in it can be saved: {words}\n"

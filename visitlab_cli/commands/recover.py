@@ -28,7 +28,11 @@ def command(
     output: Annotated[
         Path | None,
         typer.Option(
-            "--output", "-o", help="The new file; by default NAME.recovered.mcap beside it.", show_default=False
+            "--output",
+            "-o",
+            help="The new file; by default NAME.recovered.mcap beside it. Of a cell that was killed, in a run's hidden "
+            "folder .tmp-CELL: CELL.recovered.mcap beside the run.",
+            show_default=False,
         ),
     ] = None,
     as_json: Json = False,
@@ -36,7 +40,7 @@ def command(
     """Save every whole chunk of a log that was cut or damaged, as a whole log."""
     from visitlab_cli.log.recovery.recovery import recover
 
-    saved = recover(broken, output)
+    saved = recover(broken, output or _beside_the_run(broken))
     if as_json:
         joined = {"others": [_plain(other) for other in saved.others]} if saved.others else {}
         tell_json(_plain(saved) | {"lost_bytes": saved.lost_bytes, "was_whole": saved.was_whole} | joined)
@@ -54,7 +58,21 @@ def command(
     for words in saved.left_out:
         tell(f"{broken}: {words}", err=True)
     if saved.lost_bytes or not saved.others:
-        tell(f"{broken} was cut or damaged: {left_out}; it was not changed", err=True)
+        what = f": {left_out}" if saved.lost_bytes else ", but every record that is in it is whole and saved"
+        tell(f"{broken} was cut or damaged{what}; it was not changed", err=True)
+
+
+def _beside_the_run(broken: Path) -> Path | None:
+    """Where a log in a hidden folder of a run goes, which anything more in it would keep for ever; None elsewhere."""
+    from visitlab_cli.log.recovery.recovery import SUFFIX
+    from visitlab_cli.storage.cell_folder import TEMPORARY, hidden_folder_of
+    from visitlab_cli.storage.run_folder import is_run
+
+    hidden = hidden_folder_of(broken)
+    if hidden is None:
+        return None
+    run = next((folder for folder in hidden.parents if is_run(folder)), hidden)
+    return run.parent / (hidden.name.removeprefix(TEMPORARY) + SUFFIX)
 
 
 def _plain(saved: "Recovered") -> dict[str, Any]:

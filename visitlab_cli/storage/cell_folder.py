@@ -49,6 +49,7 @@ __all__ = [
     "TRIALS",
     "NewCell",
     "describe",
+    "hidden_folder_of",
     "hidden_name",
     "lock_of",
     "one_line",
@@ -93,6 +94,11 @@ def is_temporary(path: Path) -> bool:
     except OSError as error:
         check_damage(path, error)
         return False  # it is gone
+
+
+def hidden_folder_of(file: Path) -> Path | None:
+    """The folder, called as one in which a cell is written, that a file lies in, whatever else is there; else None."""
+    return next((folder for folder in file.absolute().parents if _FOLDER.fullmatch(folder.name)), None)
 
 
 def one_line(error: OSError) -> str:

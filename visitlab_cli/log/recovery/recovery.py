@@ -109,11 +109,14 @@ def _one(file: BinaryIO, first: int, path: Path, beside: Path) -> tuple[Recovere
     if isinstance(count, Exception) and salvage.was_whole:
         why = "it is no log of visitlab" if isinstance(count, NotMcapError) else count
         raise _NothingError(f"is whole, there is nothing to recover: {why}", end)
+    if not source.size:
+        raise _NothingError("nothing in it can be saved: it is empty", end)
     if isinstance(count, Exception):
         why = "what is whole of it is no log" if isinstance(count, NotMcapError) else count
         raise _NothingError(f"nothing in it can be saved: {why}{too_short(source)}", end)
     if not (any(count) or salvage.was_whole):
-        raise _NothingError(f"nothing in it can be saved: no step of it is whole{too_short(source)}", end)
+        why = "no step of it is whole" if salvage.lost_bytes else "no step had been written to it"
+        raise _NothingError(f"nothing in it can be saved: {why}", end)
     if salvage.was_whole:
         with beside.open("wb") as copy:
             copy.writelines(source.windows(0, source.size))
