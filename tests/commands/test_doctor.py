@@ -57,9 +57,16 @@ def test_what_a_folder_of_runs_can_do(tmp_path):
 def test_where_no_folder_of_runs_can_be_made(tmp_path):
     (tmp_path / "file").touch()
     (tmp_path / "link").symlink_to(tmp_path / "nothing")
-    for place in ("file", "file/runs", "link", "link/runs"):
+    file, link = "is a file, not a folder", "is a link to nothing"
+    for place, why in {
+        "file": file,
+        "file/runs": f"{tmp_path / 'file'} {file}",
+        "link": link,
+        "link/runs": f"{tmp_path / 'link'} {link}",
+    }.items():
         done, found = findings("--runs", tmp_path / place)
         assert (done.returncode, found["runs"]["state"]) == (4, "problem")
+        assert found["runs"]["value"].startswith(f"{tmp_path / place}: can't be written: {why}; ")
     done = visitlab("doctor", "--runs", tmp_path / ("x" * 300))
     assert (done.returncode, done.stderr.count("\n")) == (4, 1)
 

@@ -109,23 +109,16 @@ def _cache(out: Path) -> Iterator[Finding]:
         yield Finding("cache", f"{folder} ({state})")
 
 
-def _there(out: Path) -> Path:
-    """The folder, or what of the way to it there is: a run makes the rest, though not through a link to nowhere."""
-    return next(place for place in (out.absolute(), *out.absolute().parents) if place.exists() or place.is_symlink())
-
-
-def _writable(there: Path) -> bool:
-    return there.is_dir() and os.access(there, os.W_OK | os.X_OK)
-
-
 def _disk(out: Path) -> Iterator[Finding]:
-    there = _there(out)
-    if not _writable(there):
-        yield Finding("runs", f"{out}: can't be written; choose another with --out", "problem")
+    from visitlab_cli.storage.file_system import existing, hindrance
+
+    if why := hindrance(out):
+        yield Finding("runs", f"{out}: can't be written: {why}; choose another folder with --out", "problem")
         return
-    free = shutil.disk_usage(there).free
+    place = existing(out)
+    free = shutil.disk_usage(place).free
     space = f"only {free / 1e9:.1f} GB free" if free < LITTLE_SPACE else f"{free / 1e9:.0f} GB free"
-    made = "" if there == out.absolute() else f"; it is not there yet, and a run makes it: this is of {there}"
+    made = "" if place == out.absolute() else f"; it is not there yet, and a run makes it: this is of {place}"
     yield Finding("runs", f"{out}: {space}{made}", "note" if free < LITTLE_SPACE else "ok")
 
 
@@ -140,23 +133,23 @@ WITHOUT = {
 
 
 def _abilities(out: Path) -> Iterator[Finding]:
-    from visitlab_cli.storage.file_system import what_works
+    from visitlab_cli.storage.file_system import existing, hindrance, what_works
 
-    there = _there(out)
-    if not _writable(there):
+    if hindrance(out):
         return  # told already
-    for what, problem in what_works(there).items():
+    place = existing(out)
+    for what, problem in what_works(place).items():
         if problem:
             state: Literal["note", "problem"] = "problem" if what == "renames" else "note"
-            yield Finding(what, f"{there}: {problem}: {WITHOUT[what]}", state)
+            yield Finding(what, f"{place}: {problem}: {WITHOUT[what]}", state)
         else:
-            yield Finding(what, f"{there}: works")
+            yield Finding(what, f"{place}: works")
 
 
 def _shared(out: Path) -> Iterator[Finding]:
-    from visitlab_cli.storage.file_system import mount_of
+    from visitlab_cli.storage.file_system import existing, mount_of
 
-    if (mount := mount_of(_there(out))) is None:
+    if (mount := mount_of(existing(out))) is None:
         return
     if mount.is_local:
         yield Finding(
@@ -170,13 +163,12 @@ def _shared(out: Path) -> Iterator[Finding]:
 
 
 def _fast(out: Path) -> Iterator[Finding]:
-    from visitlab_cli.storage.file_system import seconds_of_a_sync
+    from visitlab_cli.storage.file_system import existing, hindrance, seconds_of_a_sync
 
-    there = _there(out)
-    if not _writable(there):
+    if hindrance(out):
         return
     try:
-        seconds = seconds_of_a_sync(there)
+        seconds = seconds_of_a_sync(existing(out))
     except OSError:
         return  # told as what can't be synced
     told = f"{seconds * 1e3:.1f} ms until a small file is on the disk, {SYNCS_A_CELL} times a cell"
@@ -189,16 +181,18 @@ def _fast(out: Path) -> Iterator[Finding]:
 
 
 def _files(out: Path) -> Iterator[Finding]:
-    there = _there(out)
-    if not _writable(there):
+    from visitlab_cli.storage.file_system import existing, hindrance
+
+    if hindrance(out):
         return
-    told = os.statvfs(there)
+    place = existing(out)
+    told = os.statvfs(place)
     if told.f_files == 0:
-        yield Finding("files", f"{there}: as many as there is room for")
+        yield Finding("files", f"{place}: as many as there is room for")
         return
     cells = f"{told.f_favail:,} more may be made, {told.f_favail // FILES_A_CELL:,} cells"
     state: Literal["ok", "note"] = "note" if told.f_favail < LITTLE_FILES else "ok"
-    yield Finding("files", f"{there}: {'only ' if state == 'note' else ''}{cells}", state)
+    yield Finding("files", f"{place}: {'only ' if state == 'note' else ''}{cells}", state)
 
 
 def _viewer(out: Path) -> Iterator[Finding]:

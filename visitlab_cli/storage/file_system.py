@@ -25,6 +25,33 @@ LOCKS_HERE = {"nolock", "local_lock=flock", "local_lock=all", "localflock"}
 """Options of a mount with which a lock holds on this machine alone."""
 
 
+def existing(folder: Path) -> Path:
+    """The folder, or what of the way to it there is: a run makes the rest, though not through a link to nowhere."""
+    return next(
+        place for place in (folder.absolute(), *folder.absolute().parents) if place.exists() or place.is_symlink()
+    )
+
+
+def hindrance(folder: Path) -> str:
+    """Why nothing can be written in a folder, or made where it would be made; empty where it can."""
+    place = existing(folder)
+    if place.is_dir():
+        if os.access(place, os.W_OK | os.X_OK):
+            return ""
+        what = (
+            "is on a disk that can only be read" if os.statvfs(place).f_flag & os.ST_RDONLY else "is not yours to write"
+        )
+    else:
+        what = (
+            "is a file, not a folder"
+            if place.is_file()
+            else "is a link to nothing"
+            if place.is_symlink()
+            else "is no folder"
+        )
+    return what if place == folder.absolute() else f"{place} {what}"
+
+
 def what_works(folder: Path) -> dict[str, str]:
     """Whether a folder's file system `creates`, `locks`, `renames`, shows `times`, `syncs`: what is wrong, or nothing.
 
