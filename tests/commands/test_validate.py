@@ -1,17 +1,22 @@
 """`validate --show`, and `--dry-run` of `run`, `train`, `eval`: what would be, and nothing is written."""
 
 import json
+import os
 import shutil
+from functools import partial
 
 import pytest
+from typer.testing import CliRunner
 
 from tests.program import TINY, hashes, visitlab
 from visitlab_cli.agents.model_based import ModelBasedParameters
 from visitlab_cli.agents.rmax import RMaxParameters
+from visitlab_cli.cli import app
 from visitlab_cli.config.canonical import config_hash
 from visitlab_cli.config.loading import load
 from visitlab_cli.plan.cells import plan
 from visitlab_cli.plan.estimate import LOG_BYTES, estimate
+from visitlab_cli.storage import file_system
 from visitlab_cli.world.tasks import TASKS
 
 ONE_CELL = "experiments={navigation: {task: navigation, agents: [mf], steps: 1200}}"
@@ -87,6 +92,26 @@ def test_a_dry_run_counts_what_is_done(tiny_run, tmp_path):
     visits = json.loads(visitlab("eval", run, "--trials", 7, "--human", "slow", "--dry-run", "--json").stdout)
     assert [group["steps"] for group in visits["groups"].values()] == [700, 700]
     assert hashes(run) == before
+
+
+@pytest.mark.parametrize("command", [("run",), ("train", "--json"), ("submit", "--shell")])
+def test_a_plan_for_where_nothing_can_be_written_warns_of_it(tmp_path, command):
+    (tmp_path / "file").touch()
+    command, *options = command
+    done = visitlab(command, TINY, *options, "--dry-run", "--out", tmp_path / "file")
+    assert (done.returncode, done.stderr.count("\n")) == (0, 1)
+    assert f"can't be written: {tmp_path / 'file'} is a file, not a folder; without --dry-run" in done.stderr
+    assert done.stdout
+
+
+def test_a_plan_of_a_run_that_can_only_be_read_warns_where_something_is_to_do(tiny_run, monkeypatch):
+    monkeypatch.setattr(file_system.os, "access", lambda _, mode: not mode & os.W_OK)
+    plan_of = partial(CliRunner().invoke, app, catch_exceptions=False)
+    some = plan_of(["eval", str(tiny_run), "--trials", "7", "--human", "slow", "--dry-run"])
+    assert (some.exit_code, some.stderr.count("\n")) == (0, 1)
+    assert some.stderr.startswith(f"{tiny_run}: can't be written: ")
+    assert some.stderr.endswith("copy the run to a folder that can be\n")
+    assert plan_of(["eval", str(tiny_run), "--dry-run"]).stderr == ""
 
 
 def size_of(cell, *, log):

@@ -18,6 +18,8 @@ def tell_plan(run: Path, cells: Sequence["Cell"], *, workers: int, as_json: bool
     from visitlab_cli.plan.estimate import estimate
 
     missing = missing_cells(run, cells)
+    if missing:
+        warn_of_hindrance(run)
     groups: dict[str, list[Cell]] = {}
     for cell in missing:
         groups.setdefault(cell.group, []).append(cell)
@@ -32,6 +34,15 @@ def tell_plan(run: Path, cells: Sequence["Cell"], *, workers: int, as_json: bool
     done = f", {len(cells) - len(missing)} done already" if len(missing) < len(cells) else ""
     tell(f"{total.cells} cells to do{done}; {total.steps:,} steps, {size_in_words(total.bytes)}")
     tell(f"about {duration(total.seconds)} on {workers} worker{'s' if workers > 1 else ''}; the run is {run}")
+
+
+def warn_of_hindrance(run: Path) -> None:
+    """Tell what would come of writing in the folder `run` where that can't be: no failure of a plan, but a warning."""
+    from visitlab_cli.storage.file_system import hindrance
+
+    if why := hindrance(run):
+        whither = "copy the run to a folder that can be" if run.is_dir() else "choose another folder with --out"
+        tell(f"{run}: can't be written: {why}; without --dry-run this would fail, exit code 4: {whither}", err=True)
 
 
 def _json(cost: "Estimate") -> dict[str, float]:

@@ -44,6 +44,7 @@ def submit(out: Path, config: "Config", asked: Asked) -> None:
         RunError: the folder can't be written, or the queue refuses.
         ConfigError: an expected value can never be checked.
     """
+    from visitlab_cli.console.dry_run import warn_of_hindrance
     from visitlab_cli.console.running import cores, held_run
     from visitlab_cli.execution.runner import missing_cells
     from visitlab_cli.jobs.packing import Limits, pack, seconds_in
@@ -82,7 +83,9 @@ def submit(out: Path, config: "Config", asked: Asked) -> None:
     script = (asked.script or run / JOBS / f"{asked.system}.sh").absolute()
     commands = submissions(request, script) if missing else []
     numbers: list[str] = []
-    if missing and not asked.dry_run:
+    if missing and asked.dry_run:
+        warn_of_hindrance(run)
+    elif missing:
         if news := news_of(out, config):
             tell(news, err=True)
         with held_run(out, config, lambda line: tell(line, err=True)):
