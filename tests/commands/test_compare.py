@@ -4,8 +4,10 @@ import json
 
 import pytest
 
+from tests.commands.test_runs import tell
 from tests.paper.made_runs import make_run
 from tests.program import visitlab
+from tests.results.runs_by_hand import open_lab, reach
 
 VISIT, NAVIGATION = "visit/human_1", "navigation/rmax"
 
@@ -81,3 +83,31 @@ def test_wrong_words(runs):
     assert visitlab("compare", "nothing", "--out", runs).returncode == 5
     assert visitlab("compare", "main", "--out", runs, "--margin", "nan").returncode == 2
     assert visitlab("compare", "main", "--out", runs, "--variant", "nothing").returncode == 5
+
+
+MODULES = "modules: {navigation: navigation/mf, go_to_human: go_to_human/mb, social: social/mb/slow}"
+PHASES = "phases: [{trials: 2, human: slow}, {trials: 3, human: fast}]"
+VISITS = f"""
+  swap: {{task: visit, {MODULES}, {PHASES}}}
+  swap_none: {{task: visit, social_reward: none, {MODULES}, {PHASES}}}
+  visit_none: {{task: visit, social_reward: none, {MODULES}, humans: [slow], trials: 20, trial_steps: 10}}
+"""
+
+
+@pytest.mark.parametrize(
+    ("visits", "words"),
+    [
+        (["visit/slow", "visit_none/slow"], "Last tenth of trials; the second"),
+        (["swap/phases", "swap_none/phases"], "All trials of each phase; the second"),
+        (
+            ["visit/slow", "visit_none/slow", "swap/phases", "swap_none/phases"],
+            "Last tenth of trials, of a phase all of them; the second",
+        ),
+    ],
+)
+def test_which_trials_count_is_one_sentence(tmp_path, visits, words):
+    run, cells = open_lab(tmp_path, seeds=1, more=VISITS)
+    reach(run, cells, {f"{visit}/seed-0000": 1.0 for visit in visits})
+    code, out, _ = tell("compare", run, "--by", "experiment")
+    assert code == 0
+    assert f"\n{words} less the first" in out

@@ -67,14 +67,11 @@ def tell_runs(first: Path, second: Path, as_json: bool) -> None:
 
 
 def _tell(told: dict[str, Any], pairs: "list[Pair]", notes: list[str], as_json: bool) -> None:
-    from visitlab_cli.results.pairs import LAST_TENTH, WHOLE_PHASE
-
     if as_json:
         whole = {**told, "confidence": 0.95, "notes": notes, "pairs": [pair.as_json() for pair in pairs]}
         tell_json(whole)
         return
-    told_of = {LAST_TENTH: "Last tenth of trials", WHOLE_PHASE: "All trials of each phase"}
-    counted = ", ".join(told_of[part] for part in dict.fromkeys(pair.part for pair in pairs))
+    counted = _counted({pair.part for pair in pairs})
     lines = [
         _table(pairs),
         "",
@@ -85,6 +82,15 @@ def _tell(told: dict[str, Any], pairs: "list[Pair]", notes: list[str], as_json: 
         *map(plain, notes),
     ]
     tell_text("\n".join(lines))
+
+
+def _counted(parts: set[str]) -> str:
+    """Which trials count in the pairs of a table."""
+    from visitlab_cli.results.pairs import LAST_TENTH, WHOLE_PHASE
+
+    if parts == {LAST_TENTH, WHOLE_PHASE}:
+        return "Last tenth of trials, of a phase all of them"
+    return "All trials of each phase" if parts == {WHOLE_PHASE} else "Last tenth of trials"
 
 
 WORDS = ("measure", "first", "second", "seeds")
