@@ -5,13 +5,16 @@ import shutil
 import time
 
 import pytest
+from matplotlib.figure import Figure
 
 from visitlab_cli.errors import NotFoundError, RunError, UsageError
+from visitlab_cli.figures.making import NAMES
 from visitlab_cli.origin import HTML
+from visitlab_cli.pictures.style import FORMATS, save
 from visitlab_cli.storage.cell_folder import NewCell
 from visitlab_cli.storage.leftovers import YOUNG, remove_leftovers
 from visitlab_cli.storage.locks import being_written
-from visitlab_cli.storage.removal import prune, remove_run
+from visitlab_cli.storage.removal import foreign_files, prune, remove_run
 
 RUN = "lab-01234567"
 SVG = '<?xml version="1.0"?>\n<svg><dc:title>visitlab</dc:title></svg>'
@@ -85,6 +88,13 @@ def test_prune_keeps_what_only_ends_like_something_that_was_set_aside(run):
     everything = names(run)
     assert prune(run).removed == []
     assert names(run) == everything
+
+
+@pytest.mark.parametrize("kind", FORMATS)
+@pytest.mark.parametrize("name", [*NAMES, "matrix", "matrix-visit.on-2"])
+def test_every_picture_that_is_drawn_into_a_run_is_known_as_ours(run, name, kind):
+    save(Figure(), run / "figures" / f"{name}.{kind}")
+    assert list(foreign_files(run)) == []
 
 
 def test_prune_keeps_what_is_being_written_and_what_is_not_ours(run):

@@ -36,7 +36,9 @@ from visitlab_cli.storage.on_disk import (
 from visitlab_cli.storage.reading import check_damage
 from visitlab_cli.storage.run_folder import CONFIG, VERSIONS, hash_of_name, is_run, read_config, read_versions, run_name
 
-_FIGURE = re.compile(r"(fig[6-9]|grid|phases|matrix|affordances[\w.-]*)\.(svg|png|pdf)")
+_FIGURE = re.compile(
+    r"(fig[6-9]|curves|doors|grid|meetings|phases|visits|matrix(-[\w.-]+)?|affordances[\w.-]*)\.(svg|png|pdf)"
+)
 """The pictures that visitlab draws into a run."""
 
 
