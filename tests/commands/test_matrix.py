@@ -111,6 +111,20 @@ def test_a_visit_of_a_module_that_started_from_another(run):
     assert json.loads(done.stdout)["trained_with"] == ["lost"]
 
 
+def test_a_matrix_takes_the_place_of_no_other_visits_and_tells_of_another_question(run):
+    matrix = ["eval", run, "--matrix", "--human", "slow", "--quiet", "--trials"]
+    figures = run / "figures"
+    assert visitlab(*matrix, 2).stdout.splitlines()[-1] == str(figures / "matrix.svg")
+    before = (figures / "matrix.svg").read_bytes()
+    other = visitlab(*matrix, 2, "--experiment", "visit_on")
+    assert (other.stdout.splitlines()[-1], other.stderr) == (str(figures / "matrix-visit_on.svg"), "")
+    assert (figures / "matrix.svg").read_bytes() == before
+    loud = [word for word in matrix if word != "--quiet"]
+    words = f"{figures / 'matrix.svg'}: took the place of another matrix, of other humans, trials or seeds\n"
+    assert visitlab(*loud, 3).stderr.endswith(words)
+    assert (figures / "matrix.svg").read_bytes() != before
+
+
 def test_one_visit_of_two(run):
     alone = visitlab("eval", run, "-e", "visit_on", "--trials", 2, "--json")
     (result,) = json.loads(alone.stdout)["results"]

@@ -10,9 +10,11 @@ from visitlab_cli.results.matrix import MODES, Goals, Matrix, Pairing
 from visitlab_cli.results.units import Units
 
 
-def matrix_of(humans, visit="visit", social="social/mb"):
+def matrix_of(humans, visit="visit", social="social/mb", pool=()):
     goals = Goals(Estimate(10.25, 10.25), Units(10, 10), "")
-    return Matrix(visit, social, 300, {Pairing(a, b, mode): goals for a in humans for b in humans for mode in MODES})
+    return Matrix(
+        visit, social, 300, {Pairing(a, b, mode): goals for a in humans for b in humans for mode in MODES}, pool
+    )
 
 
 @pytest.mark.parametrize("size", [1, *(pytest.param(size, marks=pytest.mark.slow) for size in (2, 3)), 8])
@@ -28,7 +30,8 @@ def test_every_word_is_whole_and_free(size, name):
 
 def test_names_as_long_as_names_can_be():
     with styled(STYLE):
-        figure = draw_matrix(matrix_of(["W" * 64], "v" * 64, "W" * 64 + "/" + "M" * 64))
+        module = "W" * 64 + "/" + "M" * 64
+        figure = draw_matrix(matrix_of(["W" * 64], "v" * 64, module, (f"{module}/{'W' * 64}",) * 5))
         words = words_of(figure)
         assert beyond(figure, words) == []
         assert upon_another(words) == []

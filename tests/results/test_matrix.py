@@ -5,6 +5,7 @@ import pytest
 
 from tests.results.runs_by_hand import VERSIONS, write_cell
 from visitlab_cli.config.loading import load_text
+from visitlab_cli.console.matrix import text
 from visitlab_cli.figures.matrix_picture import save_matrix
 from visitlab_cli.plan.cells import plan
 from visitlab_cli.plan.evaluation import Evaluation
@@ -123,6 +124,20 @@ def test_as_json(run):
         "cells": group,
     }  # fmt: skip
     assert (second["mean"], second["n"]) == (None, 0)
+
+
+def test_of_a_visit_with_a_pool_it_is_said_that_each_row_is_one_training(tmp_path):
+    pool = CONFIG.replace("social: social/mb/b}", "social: {pool: [social/mb/b, social/mb/a]}}")
+    pooled, chosen = open_run(tmp_path / "pool", load_text(pool, "matrix.yaml"), VERSIONS)
+    for visit, trainings in (("other", ["social/mb/b", "social/mb/a"]), ("visit", [])):
+        planned = plan_matrix(chosen, visit)
+        assert {len(cells[0].modules) for cells in planned.values()} == {3}
+        matrix = matrix_of(pooled, planned)
+        words = "Each row is one training alone; other itself begins with 2 as one."
+        assert matrix.as_json()["pool"] == trainings
+        assert (words in text(matrix)) == bool(trainings)
+        save_matrix(matrix, tmp_path / "matrix.svg")
+        assert ("itself begins" in (tmp_path / "matrix.svg").read_text()) == bool(trainings)
 
 
 def test_the_picture_says_every_number_and_marks_what_is_missing(run, tmp_path):

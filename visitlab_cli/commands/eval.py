@@ -56,7 +56,11 @@ def command(
         typer.Option("--matrix", help="Every trained human against every human, frozen and adapting; of one visit."),
     ] = False,
     picture: Annotated[
-        Path | None, typer.Option(help="Where the matrix is drawn, .svg, .png or .pdf; else RUN/figures/matrix.svg.")
+        Path | None,
+        typer.Option(
+            help="Where the matrix is drawn, .svg, .png or .pdf; else RUN/figures/matrix.svg, of another visit than "
+            "the config's first matrix-VISIT.svg."
+        ),
     ] = None,
     plugin: Plugins = None,
     out: Out = RUNS,

@@ -6,14 +6,12 @@ from typing import TYPE_CHECKING
 
 from visitlab_cli.console.running import How, raise_first, run_missing
 from visitlab_cli.console.words import aligned
-from visitlab_cli.errors import UsageError, VisitlabError
+from visitlab_cli.errors import RunError, UsageError, VisitlabError
 from visitlab_cli.terminal import tell, tell_json, tell_text
 
 if TYPE_CHECKING:
     from visitlab_cli.config.model import Config
     from visitlab_cli.results.matrix import Matrix, Planned
-
-PICTURE = Path("figures", "matrix.svg")
 
 
 def check_options(*, matrix: bool, frozen: bool, picture: Path | None) -> None:
@@ -59,9 +57,9 @@ def play_matrix(run: Path, planned: "Planned", picture: Path | None, how: How) -
     from visitlab_cli.results.matrix import matrix_of
     from visitlab_cli.storage.inside import check_inside
 
+    target = picture or run / _own_picture(planned)
     if picture is None:
-        check_inside(run, run / PICTURE)
-    target = picture or run / PICTURE
+        check_inside(run, target)
     check_ours(target)
     failures = run_missing(run, [cell for each in planned.values() for cell in each], how)
     if failures is None:
@@ -72,7 +70,10 @@ def play_matrix(run: Path, planned: "Planned", picture: Path | None, how: How) -
     else:
         tell_text(text(matrix))
     try:
+        before = _content(target)
         save_matrix(matrix, target)
+        if before not in (None, _content(target)) and not how.quiet:
+            tell(f"{target}: took the place of another matrix, of other humans, trials or seeds", err=True)
         if not how.as_json:
             tell("", str(target))
     except VisitlabError as error:
@@ -80,6 +81,25 @@ def play_matrix(run: Path, planned: "Planned", picture: Path | None, how: How) -
             raise
         tell(*map(str, error.args), err=True)
     raise_first(failures)
+
+
+def _own_picture(planned: "Planned") -> Path:
+    """Where in a run the matrix of a visit is drawn: that of another visit than the config's first says of which."""
+    from visitlab_cli.storage.on_disk import FIGURES
+
+    some = next(iter(planned.values()))[0]
+    first = next(name for name, each in some.config.experiments.items() if each.assembled)
+    return Path(FIGURES, "matrix.svg" if some.experiment == first else f"matrix-{some.experiment}.svg")
+
+
+def _content(picture: Path) -> bytes | None:
+    """What is there; None where nothing is, or what can't be read."""
+    from visitlab_cli.storage.reading import read_bytes
+
+    try:
+        return read_bytes(picture)
+    except (OSError, ValueError, RunError):
+        return None
 
 
 def text(matrix: "Matrix") -> str:
@@ -91,6 +111,7 @@ def text(matrix: "Matrix") -> str:
         [
             f"Goals a trial of {matrix.visit} with {matrix.social}, {matrix.n}.\n"
             "Mean over them ± half its 95% interval (Student's t).",
+            *([matrix.rows] if matrix.rows else []),
             f"Frozen: nothing is learned or explored; all {trials}\n{_table(matrix, FROZEN)}",
             f"Adapting: the social module goes on learning; last tenth of {trials}\n{_table(matrix, ADAPTING)}",
         ]

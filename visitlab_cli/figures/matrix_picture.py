@@ -85,10 +85,11 @@ def draw_matrix(matrix: Matrix) -> "Figure":
 
 
 def _caption(matrix: Matrix) -> str:
-    return (
+    told = (
         f"{matrix.visit} with {matrix.social}, {matrix.n}: mean ± half of the 95% interval; "
         f"frozen: all {matrix.trials:,} trials, adapting: their last tenth; framed: who was trained with"
     )
+    return f"{told}. {matrix.rows}" if matrix.rows else told
 
 
 def _draw_panel(axes: "Axes", matrix: Matrix, mode: str, scale: "Normalize") -> None:

@@ -17,6 +17,7 @@ from visitlab_cli.results.estimates import Estimate, mean_of
 from visitlab_cli.results.groups import unit_values
 from visitlab_cli.results.units import Units, in_words
 from visitlab_cli.storage.cell_folder import read_cell
+from visitlab_cli.storage.run_folder import read_config
 from visitlab_cli.world.tasks import SOCIAL
 
 FROZEN, ADAPTING = "frozen", "adapting"
@@ -51,12 +52,16 @@ class Goals(NamedTuple):
 
 
 class Matrix(NamedTuple):
-    """`visit` is the experiment, `social` the `experiment/agent` of its social module."""
+    """`visit` is the experiment, `social` the `experiment/agent` of its social module.
+
+    `pool` names the trainings that the visit itself begins with as one; none where it has no pool. No row is a pool.
+    """
 
     visit: str
     social: str
     trials: int
     goals: dict[Pairing, Goals]
+    pool: tuple[str, ...] = ()
 
     @property
     def trained(self) -> list[str]:
@@ -73,11 +78,19 @@ class Matrix(NamedTuple):
         """What its means are taken over: 'n = 10 seeds'."""
         return in_words([goals.units for goals in self.goals.values()])
 
+    @property
+    def rows(self) -> str:
+        """What a row is, where the visit itself begins with a pool; else nothing."""
+        if not self.pool:
+            return ""
+        return f"Each row is one training alone; {self.visit} itself begins with {len(self.pool)} as one."
+
     def as_json(self) -> dict[str, Any]:
         """Plain values."""
         return {
             "visit": self.visit,
             "social": self.social,
+            "pool": list(self.pool),
             "trials": self.trials,
             "measure": {FROZEN: "goals a trial", ADAPTING: "goals a trial, last tenth"},
             "trained_with": self.trained,
@@ -115,12 +128,14 @@ def matrix_of(run: Path, planned: Mapping[Pairing, Sequence[Cell]]) -> Matrix:
     """What the finished cells of a plan reached.
 
     Raises:
-        RunError: a table of trials is damaged.
+        RunError: a table of trials, or the run's config, is damaged.
     """
     some = next(iter(planned.values()))[0]
     social = some.settings.starts[SOCIAL]
     goals = {pairing: _goals(run, cells) for pairing, cells in planned.items()}
-    return Matrix(some.experiment, f"{social.experiment}/{social.agent}", some.trials, goals)
+    visit = read_config(run).experiments[some.experiment]
+    pool = tuple(visit.starts[role].text for role in visit.pooled)
+    return Matrix(some.experiment, f"{social.experiment}/{social.agent}", some.trials, goals, pool)
 
 
 def _goals(run: Path, cells: Sequence[Cell]) -> Goals:
