@@ -11,6 +11,7 @@ from visitlab_cli.affordances.plain import Arrow, weight
 from visitlab_cli.affordances.several import COMPARED, Belief, Verdict, as_json, of_saved, verdict
 from visitlab_cli.affordances.several_picture import draw_several, save_several
 from visitlab_cli.config.loading import load_text
+from visitlab_cli.console.affordances import models_text
 from visitlab_cli.errors import UsageError
 from visitlab_cli.pictures.style import STYLE, styled
 from visitlab_cli.plan.cells import plan
@@ -157,6 +158,21 @@ def test_of_a_pool_nobody_is_the_owner():
     (model,) = of_saved(cell_of("from_both"), saved_of(models=(many,), switches=[])).models
     assert (model.human, model.trained) == ("", 7000)
     assert math.isnan(model.beliefs[COME].true)
+
+
+@pytest.mark.parametrize(("of_shy", "whose", "true"), [(899, "keen", 1.0), (900, "", math.nan), (901, "shy", 0.0)])
+def test_a_model_is_somebodys_with_more_than_half_of_its_steps_and_else_several_humans(of_shy, whose, true):
+    """It counts 900 steps with keen, none of training, and some with shy, who comes after 1,000."""
+    seen = {(5, NEAR, Action.COME, 7): 900 + of_shy}, {(3, NEAR, Action.LOOK, 3): 3000}
+    switches = [[1000, 0, 1, 900], [1000, 1, 0, 1000], [1000 + of_shy, 0, 1, 1000 + of_shy]]
+    found = of_saved(cell_of("visit"), saved_of(models=seen, switches=switches, active=1))
+    model = found.models[0]
+    assert (model.steps, model.trained) == ({"keen": 900, "shy": of_shy}, 0)
+    assert model.human == whose
+    assert model.beliefs[COME].true == pytest.approx(true, nan_ok=True)
+    assert as_json(found)["models"][0]["human"] == (whose or None)
+    (line,) = (line for line in models_text(found).splitlines() if line.startswith("model 0"))
+    assert line.split()[2] == (whose or "several")
 
 
 def believed(*shares, visits=1000):

@@ -3,7 +3,8 @@
 An agent that meets several humans and makes itself a model for each kind of them has, in the end, several learned
 Fig. 4. Its general model is all of them as one, each with its say. An arrow of Fig. 4 that each model affords is
 general; one that some afford and others do not, or that differs, is specific to a human. Whose a model is, the agent
-does not know: it is the human who was there in the largest part of the steps that the model counts.
+does not know: it is the human who was there in more than half of the steps that the model counts, several humans'
+where nobody was.
 """
 
 import math
@@ -70,7 +71,7 @@ class Belief(NamedTuple):
 
 
 class OfModel(NamedTuple):
-    """A model: its number, whose it is ('' where nobody knows), how many steps with each human it counts, Fig. 4.
+    """A model: its number, whose it is ('' for several humans'), how many steps with each human it counts, Fig. 4.
 
     `trained` is what it counted before the visit; `graph` is of all distances, `compared` counts as the beliefs do.
     """
@@ -155,10 +156,10 @@ def _trained_with(cell: Cell) -> str:
 
 
 def _whose(steps: Mapping[str, int], trained: int, trained_with: str) -> str:
-    """The human with whom the largest part of the steps was that a model counts, training's among them."""
+    """The human of more than half of the steps that a model counts, training's among them; '' where there is none."""
     met = dict(steps)
     met[trained_with] = met.get(trained_with, 0) + trained
-    return max(met, key=lambda human: met[human])
+    return next((human for human, n in met.items() if 2 * n > sum(met.values())), "")
 
 
 def _truth(cell: Cell, human: str) -> Truth:

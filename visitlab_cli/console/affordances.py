@@ -90,7 +90,7 @@ def models_text(found: "Several") -> str:
             aligned(rows, words=4),
             "",
             "Probability of the level next that a model believes (true with the human whose it is, who was there in",
-            "the largest part of the steps that it counts). NOT_ENGAGED: any of the levels 0 to 4. What depends on",
+            "more than half of the steps that it counts). NOT_ENGAGED: any of the levels 0 to 4. What depends on",
             f"engagement is told where the distance is right. Of models that tried it {ENOUGH} times: general: each",
             f"affords it, with more than {AFFORDS:g}; by degree: and two differ; specific: two differ, and not each",
             "affords it; none: none does; open: nobody can tell. As far as 99% intervals tell.",
