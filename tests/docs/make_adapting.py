@@ -59,9 +59,11 @@ def friends(source):
 
 def switching(source):
     """What `multi_model` made of it, in words."""
-    models, switches, delays, firsts, right = [], [], [], [], []
-    for cell in group_of(source, "multi").cells:
+    models, switches, delays, firsts, right, left = [], [], [], [], [], []
+    cells = group_of(source, "multi").cells
+    for cell in cells:
         saved = model_of(source.run, cell)
+        left += [step for step, before, _, since in saved["switches"].tolist() if (before, since) == (0, 0)]
         models.append(len(saved["models_q"]) / len(saved["q"]))
         switches.append(len(saved["switches"]))
         phases = list(met(cell, saved))
@@ -77,6 +79,8 @@ def switching(source):
         "delay_90": f"{np.percentile(delays, 90):.0f}",
         "first": f"{np.median(firsts):.0f}",
         "right": f"{np.mean(right):.0%}",
+        "left": f"{len(left)} of {len(cells)}",
+        "left_after": f"{np.median(left):.0f}",
         "gain": mean_of((several - one).tolist()).in_words(),
     }
 
