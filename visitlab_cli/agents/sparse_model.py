@@ -133,6 +133,31 @@ def uncount(model: SparseModel, pair: int, reward: float, next_state: int) -> No
             return
 
 
+@kernel
+def replace(model: SparseModel, pair: int, lost: float, gone: int, reward: float, next_state: int) -> None:
+    """Take one transition of `pair`, to `gone` with the reward `lost`, from the model and add another.
+
+    To the bit what `uncount` and then `count` do; as a rule one search of its row, and not two.
+    """
+    first = model.first[pair]
+    end = first + model.length[pair]
+    there, here = end, end
+    for place in range(first, end):
+        state = model.pool_states[place]
+        if state == gone:
+            there = place
+        if state == next_state:
+            here = place
+    if here == end or model.pool_counts[there] == 1:
+        uncount(model, pair, lost, gone)
+        count(model, pair, reward, next_state)
+        return
+    model.reward_sums[pair] = model.reward_sums[pair] - lost + reward
+    model.mean_rewards[pair] = model.reward_sums[pair] / model.visits[pair]
+    model.pool_counts[there] -= 1
+    model.pool_counts[here] += 1
+
+
 @long_kernel
 def sweep(model: SparseModel, q: Table, values: Table, gamma: float, known: int, fill_unvisited: bool) -> None:
     """One synchronous sweep over all pairs visited at least `known` times, changing `q`, shape (states, actions).

@@ -10,7 +10,16 @@ from pydantic import Field
 from visitlab_cli.agents.base import CHOOSE, CHOOSE_AS, LEARN, Saved, Setting, zeros
 from visitlab_cli.agents.declared import Declared, counts, floats
 from visitlab_cli.agents.exploration import Table, epsilon_greedy, epsilon_greedy_as
-from visitlab_cli.agents.sparse_model import Counts, SparseModel, count, empty_model, restored_model, sweep, uncount
+from visitlab_cli.agents.sparse_model import (
+    Counts,
+    SparseModel,
+    count,
+    empty_model,
+    replace,
+    restored_model,
+    sweep,
+    uncount,
+)
 from visitlab_cli.agents.swept import SweptParameters
 from visitlab_cli.compiled import kernel
 from visitlab_cli.random_numbers import RandomState
@@ -130,13 +139,14 @@ def count_in_window(model: SparseModel, windows: Windows, pair: int, reward: flo
     """Add one transition of `pair`; where its window is full, the oldest goes."""
     k = windows.states.shape[1]
     place = model.visits[pair]
-    if place == k:
+    if place < k:
+        count(model, pair, reward, next_state)
+    else:
         place = windows.oldest[pair]
-        windows.oldest[pair] = (place + 1) % k
-        uncount(model, pair, windows.rewards[pair, place], windows.states[pair, place])
+        windows.oldest[pair] = place + 1 if place + 1 < k else 0
+        replace(model, pair, windows.rewards[pair, place], windows.states[pair, place], reward, next_state)
     windows.states[pair, place] = next_state
     windows.rewards[pair, place] = reward
-    count(model, pair, reward, next_state)
 
 
 @CHOOSE.of(Windowed)
