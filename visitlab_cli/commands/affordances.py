@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from visitlab_cli.console import completion
-from visitlab_cli.console.affordances import intents_text, models_text, text
 from visitlab_cli.console.help import Help
 from visitlab_cli.console.options import RUNS, At, Json, Out, Run
 from visitlab_cli.terminal import tell, tell_json, tell_text
@@ -92,6 +91,7 @@ def command(
 
     from visitlab_cli.affordances.learned import affordances
     from visitlab_cli.affordances.plain import as_json as to_json
+    from visitlab_cli.console.affordances import text
     from visitlab_cli.origin import check_ours
     from visitlab_cli.plan.cells import plan
     from visitlab_cli.plan.selection import Selection
@@ -137,6 +137,7 @@ def _check_options(thresholds: Sequence[float], trials: int | None, *, intents: 
 def _tell_models(folder: Path, selection: "Selection", picture: Path | None, *, as_json: bool) -> None:
     from visitlab_cli.affordances.several import as_json as to_json
     from visitlab_cli.affordances.several import several_models
+    from visitlab_cli.console.affordances import models_text
     from visitlab_cli.plan.cells import plan
     from visitlab_cli.storage.run_folder import read_config
 
@@ -163,6 +164,7 @@ def _tell_intents(
 ) -> None:
     from visitlab_cli.affordances.restricted import THRESHOLDS, TRIALS, restricted
     from visitlab_cli.affordances.restricted import as_json as to_json
+    from visitlab_cli.console.affordances import intents_text
     from visitlab_cli.plan.cells import plan
     from visitlab_cli.storage.run_folder import read_config
 
