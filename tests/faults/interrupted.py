@@ -60,13 +60,16 @@ main()
 """The program with checkpoints so often that each cell has some."""
 
 
-@fault("killed-often", "kill -9 at four random moments: cells go on from checkpoints, to the same bytes", 20, 1)
+@fault("killed-often", "kill -9 four times just after a checkpoint: cells go on from it, to the same bytes", 20, 1)
 def killed_often(this: Try) -> None:
     out = this.folder / "runs"
     arguments = "run", this.bench.config, "--out", out, "--workers", 1
     for _ in range(4):
         program = subprocess.Popen([sys.executable, "-P", "-c", OFTEN, *map(str, arguments), "-q"], cwd=this.folder)
-        time.sleep(this.random.uniform(0.3, 0.6) * this.bench.seconds)
+        begun = time.time()
+        while program.poll() is None and not any(_since(path, begun) for path in out.glob(f"*/.tmp-*/{NAMES[0]}")):
+            time.sleep(0.002)
+        time.sleep(this.random.uniform(0, 0.05))
         program.kill()
         program.wait()
     kept, left = this.finished(out), [path for path in out.glob(f"*/.tmp-*/{NAMES[0]}") if _is_to_do(path)]
@@ -76,6 +79,14 @@ def killed_often(this: Try) -> None:
     if this.told(done, 0):
         this.wrong += ["nothing went on from a checkpoint"] * (bool(left) and "goes on from step" not in done.stderr)
         this.whole(out, kept)
+
+
+def _since(checkpoint: Path, begun: float) -> bool:
+    """Whether a checkpoint was written since then, and is still there."""
+    try:
+        return checkpoint.stat().st_mtime > begun
+    except OSError:
+        return False
 
 
 def _is_to_do(checkpoint: Path) -> bool:
