@@ -16,6 +16,11 @@ NO_FORKS = "VISITLAB_TESTS_WITHOUT_FORKS"
 COMMAND = [sys.executable, "-m", "visitlab_cli"]
 
 
+def copy_package(target, *others):
+    """A copy of the package, without files that another process is just compiling, nor those called as `others`."""
+    return shutil.copytree(PACKAGE, target, ignore=shutil.ignore_patterns("*.pyc.*", *others))
+
+
 def visitlab(*arguments, cwd=None, env=None, **options):
     """Run the program to its end; the result has `returncode`, `stdout` and `stderr` as text.
 
@@ -55,7 +60,7 @@ class Clone:
 
     def __init__(self, folder, files):
         self.folder, self.package = folder, folder / "clone" / "visitlab_cli"
-        shutil.copytree(PACKAGE, self.package)  # with what Python has compiled, which is as old as the copies are
+        copy_package(self.package)  # with what Python has compiled, which is as old as the copies are
         self.surroundings = {"NUMBA_DISABLE_JIT": "1", "PYTHONPATH": str(self.package.parent)}
         for path, text in files.items():
             (self.package / path).write_text(text)

@@ -1,11 +1,11 @@
 """The hash of the sources covers all that a result passes through, and says the same everywhere."""
 
-import shutil
 import subprocess
 import sys
 
 import pytest
 
+from tests.program import copy_package
 from visitlab_cli import sources
 
 DECIDES_NOTHING = {
@@ -26,7 +26,7 @@ WAY = "visitlab_cli.config.loading", "visitlab_cli.execution.warm_up", "visitlab
 @pytest.fixture
 def package(tmp_path):
     copy = tmp_path / "other" / "visitlab_cli"
-    shutil.copytree(sources.PACKAGE, copy, ignore=shutil.ignore_patterns("__pycache__"))
+    copy_package(copy, "__pycache__")
     return copy
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 import visitlab_cli
-from tests.program import TINY, hashes, start, the_run, visitlab
+from tests.program import TINY, copy_package, hashes, start, the_run, visitlab
 from visitlab_cli import compiled, kernel_cache, sources
 from visitlab_cli.compiled import KERNEL_SOURCES
 from visitlab_cli.execution.warm_up import COMPILING
@@ -49,7 +49,7 @@ def compiled_files(cache):
 @pytest.mark.slow
 def test_an_edited_kernel_file_changes_the_next_result(tmp_path):
     package, cache = tmp_path / "visitlab_cli", tmp_path / "cache"
-    shutil.copytree(PACKAGE, package)
+    copy_package(package)
     first = log_of(package, cache, "numba")
     compiled = compiled_files(cache)
     assert first
@@ -137,7 +137,7 @@ def test_every_file_with_kernels_is_in_the_hash():
 
 def test_the_hash_is_of_every_byte_of_them(tmp_path, monkeypatch):
     package = tmp_path / "visitlab_cli"
-    shutil.copytree(PACKAGE, package, ignore=shutil.ignore_patterns("__pycache__"))
+    copy_package(package, "__pycache__")
     hashed = sources.files_of(KERNEL_SOURCES, package)
     monkeypatch.setattr(compiled, "files_of", lambda rooms: sources.files_of(rooms, package))
     monkeypatch.setattr(compiled, "digest_of", lambda files: sources.digest_of(files, package))

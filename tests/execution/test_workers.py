@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 import visitlab_cli
-from tests.program import TINY, hashes, new_process, the_run
+from tests.program import TINY, copy_package, hashes, new_process, the_run
 from visitlab_cli.config.loading import load
 from visitlab_cli.execution import workers
 from visitlab_cli.execution.progress import Progress
@@ -31,7 +31,7 @@ INSTALLED = "import sys\nfrom visitlab_cli.__main__ import main\nif __name__ == 
 def clone(tmp_path):
     """A folder with a copy of the package in which a rule was edited."""
     package = tmp_path / "clone" / "visitlab_cli"
-    shutil.copytree(PACKAGE, package)
+    copy_package(package)
     shutil.copytree(PACKAGE.parent / "configs", package / "shipped_configs")
     file, old, new = RULE
     text = (package / file).read_text()

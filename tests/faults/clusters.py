@@ -11,7 +11,7 @@ from tests.dask_cluster import Cluster, until
 from tests.faults.bench import members_of
 from tests.faults.fault import Try, fault
 from tests.faults.interrupted import ENDING, no_orphans
-from visitlab_cli.sources import PACKAGE
+from tests.program import copy_package
 
 RULE = "world/navigation.py", "reward = 1.0 if", "reward = 2.0 if"
 NEEDS = ["linux", "dask"]
@@ -83,7 +83,7 @@ def dask_scheduler(this: Try) -> None:
 def dask_other(this: Try) -> None:
     out = this.folder / "runs"
     copy = this.folder / "copy" / "visitlab_cli"
-    shutil.copytree(PACKAGE, copy)
+    copy_package(copy)
     file, old, new = RULE
     text = (copy / file).read_text()
     (copy / file).write_text(text.replace(old, new))

@@ -6,7 +6,7 @@ import subprocess
 from pathlib import Path
 
 from tests.faults.fault import Try, contents, fault
-from tests.program import the_run
+from tests.program import copy_package, the_run
 
 NAMES = ("with space", "Ünïcode 日本", "a'b\"c", "-dash", "percent%20", "$HOME", "new\nline", "x" * 200)
 
@@ -116,10 +116,9 @@ def modules(this: Try) -> None:
 
 def a_clone(this: Try, place: Path) -> Path:
     """A copy of the package in `place`, with a rule of the human edited."""
-    import visitlab_cli
 
     package = place / "visitlab_cli"
-    shutil.copytree(Path(visitlab_cli.__file__).parent, package, ignore=shutil.ignore_patterns("__pycache__"))
+    copy_package(package, "__pycache__")
     rule = package / "humans" / "six_parameters.py"
     text = rule.read_text()
     edited = text.replace("happens(random, human.p_M)", "False")

@@ -6,7 +6,7 @@ import shutil
 import pytest
 
 import visitlab_cli
-from tests.program import TINY, hashes, the_run, visitlab
+from tests.program import TINY, copy_package, hashes, the_run, visitlab
 from visitlab_cli.report.making import gather
 from visitlab_cli.report.page import render
 from visitlab_cli.sources import PACKAGE, sources
@@ -24,7 +24,7 @@ CELL = "navigation/mf/seed-0000"
 def edited(tmp_path):
     """The environment in which the program is one with an edited rule."""
     clone = tmp_path / "clone" / "visitlab_cli"
-    shutil.copytree(PACKAGE, clone)
+    copy_package(clone)
     shutil.copytree(PACKAGE.parent / "configs", clone / "shipped_configs")
     file = clone / "world" / "navigation.py"
     text = file.read_text()

@@ -1,7 +1,6 @@
 """The oracle judges: it must refuse the log of each wrong package, and accept that of the right one."""
 
 import os
-import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -12,6 +11,7 @@ import pytest
 import visitlab_cli
 from tests.oracle.checker import check_log
 from tests.oracle.mutations import MUTATIONS, PHASES, SMALL, apply
+from tests.program import copy_package
 from tests.world.test_rules import contradictions, settings_of
 
 PACKAGE = Path(visitlab_cli.__file__).parent
@@ -40,7 +40,7 @@ def is_refused(package: Path, folder: Path, task: str, labs: tuple[str, ...] = (
 @pytest.fixture
 def copy(tmp_path):
     package = tmp_path / "visitlab_cli"
-    shutil.copytree(PACKAGE, package)
+    copy_package(package)
     return package
 
 
