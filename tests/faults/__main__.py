@@ -2,6 +2,7 @@
 
 import argparse
 import resource
+import signal
 import sys
 import time
 from collections import defaultdict
@@ -104,6 +105,8 @@ def main() -> int:
     if unknown := set(asked.classes) - set(FAULTS):
         parser.error(f"no class {', '.join(sorted(unknown))}; --list tells them")
     chosen = [fault for fault in FAULTS.values() if fault.name in asked.classes or not asked.classes]
+    if hasattr(signal, "SIGHUP") and signal.getsignal(signal.SIGHUP) is signal.SIG_IGN:
+        signal.signal(signal.SIGHUP, lambda number, frame: None)  # by nohup, and what is tried would ignore it, too
     begun = time.monotonic()
     bench = Bench(fast=asked.fast)
     try:
