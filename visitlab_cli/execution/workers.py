@@ -75,7 +75,7 @@ class Workers:
         for what, at_first in zip(OF_SLOT, (NOT_BEGUN, 0, 0), strict=True):
             self._shared[_place(slot, what)] = at_first
         if self.count > 1:
-            check_room(TO_BEGIN if self._executor is None else TO_START)
+            _check_room(TO_BEGIN if self._executor is None else TO_START)
         if self._executor is None:
             self._executor = self._start()
         with as_the_program() if self.count > 1 else nullcontext():  # the pool starts its processes as work comes
@@ -132,7 +132,7 @@ def _place(slot: int, what: int) -> int:
     return 1 + len(OF_SLOT) * slot + what
 
 
-def check_room(files: int) -> None:
+def _check_room(files: int) -> None:
     """Check that so many more files may be open: what starts the workers would end with its own words where not.
 
     Raises:

@@ -35,20 +35,15 @@ def existing(folder: Path) -> Path:
 def hindrance(folder: Path) -> str:
     """Why nothing can be written in a folder, or made where it would be made; empty where it can."""
     place = existing(folder)
+    if place.is_dir() and os.access(place, os.W_OK | os.X_OK):
+        return ""
     if place.is_dir():
-        if os.access(place, os.W_OK | os.X_OK):
-            return ""
-        what = (
-            "is on a disk that can only be read" if os.statvfs(place).f_flag & os.ST_RDONLY else "is not yours to write"
-        )
+        read_only = os.statvfs(place).f_flag & os.ST_RDONLY
+        what = "is on a disk that can only be read" if read_only else "is not yours to write"
+    elif place.is_file():
+        what = "is a file, not a folder"
     else:
-        what = (
-            "is a file, not a folder"
-            if place.is_file()
-            else "is a link to nothing"
-            if place.is_symlink()
-            else "is no folder"
-        )
+        what = "is a link to nothing" if place.is_symlink() else "is no folder"
     return what if place == folder.absolute() else f"{place} {what}"
 
 

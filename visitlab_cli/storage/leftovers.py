@@ -8,7 +8,7 @@ from pathlib import Path
 from visitlab_cli.errors import RunError
 from visitlab_cli.storage.cell_folder import LOCK, hidden_name, lock_of, read_cell, temporaries
 from visitlab_cli.storage.checkpoint_file import stated_cell
-from visitlab_cli.storage.inside import check_inside
+from visitlab_cli.storage.inside import check_inside, is_real
 from visitlab_cli.storage.locks import SILENT, is_abandoned, older_than
 from visitlab_cli.storage.on_disk import leftovers
 
@@ -28,7 +28,7 @@ def is_left_over(path: Path) -> bool:
 
 def is_locked(path: Path) -> bool:
     """Whether it is something temporary that says who writes it: a cell's folder or its lock file, or a claim."""
-    return path.name.endswith(LOCK) or (path.is_dir() and not path.is_symlink())
+    return path.name.endswith(LOCK) or is_real(path)
 
 
 def _has_begun(file: Path) -> bool:

@@ -19,6 +19,7 @@ from visitlab_cli.storage.cell_folder import (
     one_line,
     read_cell,
 )
+from visitlab_cli.storage.inside import is_real
 from visitlab_cli.storage.leftovers import is_left_over, is_locked
 from visitlab_cli.storage.locks import RUN_LOCK, to_remove
 from visitlab_cli.storage.on_disk import (
@@ -83,7 +84,7 @@ def _in_use(path: Path) -> str | None:
 
 
 def _holds_foreign(path: Path) -> str | None:
-    if path.name.startswith(TEMPORARY) or not _is_folder(path):
+    if path.name.startswith(TEMPORARY) or not is_real(path):
         return None
     foreign = sorted({entry.name for entry in path.iterdir()} - OF_CELLS)
     return f"holds {foreign[0]}, which is not visitlab's" if foreign else None
@@ -150,10 +151,6 @@ def _is_file(path: Path) -> bool:
     return path.is_file() and not path.is_symlink()
 
 
-def _is_folder(path: Path) -> bool:
-    return path.is_dir() and not path.is_symlink()
-
-
 def remove_run(run: Path) -> None:
     """Remove a run's folder; its config goes last, so that what an interruption leaves is still a run.
 
@@ -183,7 +180,7 @@ def remove_unbegun(run: Path) -> None:
 
 def _remove(path: Path) -> None:
     try:
-        if _is_folder(path):
+        if is_real(path):
             shutil.rmtree(path)
         else:
             path.unlink()
