@@ -3,7 +3,7 @@
     python -m benchmarks.cases '{"task": "social", "agent": {"kind": "model_based"}, "steps": 500000}'
 
 A case is played as a run plays it, by the same functions, and prints as JSON: the seconds of CPU of playing and
-recording, bytes recorded, random numbers drawn.
+recording, in the fastest of three turns, bytes recorded, random numbers drawn.
 """
 
 import json
@@ -19,6 +19,7 @@ HUMAN_2 = {"p_S": [0, 0.5, 0.5], "p_H": 0.05, "p_M": 0.05, "p_O": 0.15, "p_A": 0
 LESSONS = {"navigation": 200_000, "go_to_human": 200_000, "social": 500_000}
 FEW_LESSONS = 2_000  # uncompiled, training would take hours: the same sweep over a model of fewer successors
 WARM_UP_STEPS = 200
+TURNS = 3  # the fastest counts: what else runs on a machine only ever adds
 TRAINED = "visit"
 
 
@@ -64,19 +65,20 @@ def measure(case: Case) -> dict[str, float]:
     """Play a case in this process; the modules of a visit are trained first, and are not measured."""
     import yaml
 
+    from visitlab_cli.compiled import JIT_DISABLED
     from visitlab_cli.config.loading import load
     from visitlab_cli.plan.cells import plan
 
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        for steps in (WARM_UP_STEPS, case.steps):
+        for steps, turns in ((WARM_UP_STEPS, 1), (case.steps, 1 if JIT_DISABLED else TURNS)):
             file = folder / "case.yaml"
             file.write_text(yaml.safe_dump(case.config(steps)))
             cells = plan(load(file))
             for cell in cells[:-1]:
                 _train(folder / "run", cell)
-            found = _play(folder, cells[-1], recorded=case.recorded)
-    return found
+            played = [_play(folder, cells[-1], recorded=case.recorded) for _ in range(turns)]
+    return min(played, key=lambda found: found["seconds"])
 
 
 def _train(run: Path, cell: Any) -> None:

@@ -2,9 +2,9 @@
 
     python -m benchmarks.simulation [PART OF A NAME ...]
 
-Each line is measured in a process of its own, by CPU time, after its kernels were compiled. The uncompiled figure is
-of the same code with NUMBA_DISABLE_JIT=1, over fewer steps, planning as often; its visits start from modules that
-were trained for 2,000 steps.
+Each line is measured in a process of its own, by CPU time, after its kernels were compiled: the fastest of three turns,
+for what else runs on a machine only ever adds. The uncompiled figure is of the same code with NUMBA_DISABLE_JIT=1, over
+fewer steps, planning as often; its visits start from modules that were trained for 2,000 steps.
 """
 
 import sys
