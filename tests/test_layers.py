@@ -104,8 +104,8 @@ def test_only_replay_imports_rerun():
 
 
 def test_only_those_who_ask_for_dask_load_it():
-    own = {PACKAGE / "execution" / name for name in ("dask_cluster.py", "dask_worker.py")}
-    loading = ("dask", "distributed", "visitlab_cli.execution.dask_")
+    own = {PACKAGE / "execution" / name for name in ("dask_cluster.py", "dask_here.py", "dask_worker.py")}
+    loading = ("dask", "distributed", *(f"visitlab_cli.execution.{file.stem}" for file in own))
     others = [file for file in files(PACKAGE) if file not in own]
     assert [(file, name) for file in others for name in imports(file, whole=False) if name.startswith(loading)] == []
 

@@ -17,7 +17,8 @@ from tests.program import TINY, hashes, new_process, start, the_run, visitlab
 from visitlab_cli.config.loading import load
 from visitlab_cli.errors import Interrupted, NotFoundError, RunError, UsageError
 from visitlab_cli.execution import dask_cluster, dask_worker
-from visitlab_cli.execution.dask_cluster import AHEAD, At, DaskPool
+from visitlab_cli.execution.dask_address import At, is_exposed
+from visitlab_cli.execution.dask_cluster import AHEAD, DaskPool
 from visitlab_cli.execution.executor import DIED
 from visitlab_cli.execution.progress import Progress
 from visitlab_cli.execution.runner import run_cells
@@ -201,7 +202,7 @@ def test_what_a_worker_says_that_is_not_as_the_program(change, threads, said, tm
     ],
 )
 def test_a_port_that_others_reach_unencrypted_is_told(address, exposed):
-    assert dask_cluster._is_exposed(address) == exposed
+    assert is_exposed(address) == exposed
 
 
 @pytest.mark.parametrize("address", ["tcp://127.0.0.1:1", "tls://127.0.0.1:1"])

@@ -13,7 +13,7 @@ from visitlab_cli.terminal import plain, tell, tell_json, tell_text
 
 if TYPE_CHECKING:
     from visitlab_cli.config.model import Config
-    from visitlab_cli.execution.dask_cluster import At
+    from visitlab_cli.execution.dask_address import At
     from visitlab_cli.execution.executor import OpenPool
     from visitlab_cli.execution.progress import Progress
     from visitlab_cli.execution.runner import Failures
@@ -55,12 +55,14 @@ def dask_at(executor: str, address: str, scheduler_file: Path | None, workers: i
         raise UsageError("--address and --scheduler-file: choose one")
     if given and workers:
         raise UsageError(f"--workers: the cluster of {given[0]} has workers of its own; leave it out")
-    try:
-        from visitlab_cli.execution.dask_cluster import At
-    except ImportError as error:
-        raise UsageError(NO_DASK) from error
+    from visitlab_cli.execution.dask_address import At
+
     at = At(address, scheduler_file)
     at.resolved()
+    try:
+        import distributed  # noqa: F401
+    except ImportError as error:
+        raise UsageError(NO_DASK) from error
     return at
 
 

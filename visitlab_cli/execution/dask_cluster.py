@@ -7,43 +7,34 @@ steps are done, and that a cell ended, or why not.
 
 import asyncio
 import contextlib
-import ipaddress
 import itertools
-import json
-import logging
-import multiprocessing.resource_tracker
 import os
 import pickle
-import re
 import signal
-import sys
 import time
 import uuid
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from concurrent.futures import Future
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
-import dask
 import distributed
 from distributed import KilledWorker
 
-from visitlab_cli.errors import Interrupted, NotFoundError, RunError, UsageError, reason
+from visitlab_cli.errors import Interrupted, RunError, reason
+from visitlab_cli.execution.dask_address import At, is_exposed
+from visitlab_cli.execution.dask_here import ANSWER_SECONDS, CLOSE_SECONDS, own_cluster, quietly
 from visitlab_cli.execution.dask_worker import TOPIC, Terms, Told, difference, do_cell, facts, stop_cells
 from visitlab_cli.execution.executor import DEATHS_GIVEN_UP, DIED, NOT_BEGUN, WAITING, EndOfRunError
-from visitlab_cli.execution.workers import OtherCodeError, as_the_program
+from visitlab_cli.execution.workers import OtherCodeError
 from visitlab_cli.plan.cells import Cell
 from visitlab_cli.plugins import files
-from visitlab_cli.stopping import ending_signals
 from visitlab_cli.storage.cell_folder import TEMPORARY, lock_of
 from visitlab_cli.storage.locks import Heart, lock
-from visitlab_cli.wording import printable
 
 CONNECT_SECONDS = 30.0
-ANSWER_SECONDS = 60.0
-"""How long a worker may take to import visitlab and say what it has."""
 ASK_SECONDS = 5.0
 """How long the scheduler may take to answer while cells run."""
 LOOK_SECONDS = 2.0
@@ -52,23 +43,8 @@ GONE_SECONDS = 60.0
 """After how long a scheduler that does not answer is gone."""
 ALONE_SECONDS = 300.0
 """How long there may be no worker."""
-CLOSE_SECONDS = 10.0
 AHEAD = 2
 """Cells that are given to the cluster for each worker: the next one is there when one ends."""
-_LABEL = r"[A-Za-z0-9_]([A-Za-z0-9_-]{0,61}[A-Za-z0-9_])?"
-_ADDRESS = re.compile(
-    rf"(?P<scheme>tcp|tls)://(?P<host>{_LABEL}(\.{_LABEL})*\.?|\[[0-9A-Fa-f:.]+\]):(?P<port>[0-9]{{1,5}})", re.ASCII
-)
-LARGEST_PORT = 65535
-OWN = {
-    "distributed.scheduler.allowed-failures": DEATHS_GIVEN_UP - 1,
-    "distributed.worker.profile.enabled": False,
-}
-"""Dask's settings for a cluster of our own."""
-
-
-_dask: Any = distributed
-"""As Dask declares few of its types."""
 
 
 class _Client(distributed.Client):
@@ -79,39 +55,6 @@ class _Client(distributed.Client):
 
 
 _client: Any = _Client
-
-
-class At(NamedTuple):
-    """Where the scheduler is: its address, or the file in which it wrote that; neither: a cluster of our own."""
-
-    address: str = ""
-    scheduler_file: Path | None = None
-
-    def resolved(self) -> str:
-        """The address; empty where the cluster is to be our own.
-
-        Raises:
-            UsageError: it is none.
-            NotFoundError: there is no such file.
-            RunError: the file is not a scheduler's.
-        """
-        if self.scheduler_file is None:
-            if self.address and _parts(self.address) is None:
-                form = f"tcp://HOST:PORT or tls://HOST:PORT, with a port from 1 to {LARGEST_PORT}"
-                raise UsageError(f"--address {printable(self.address)}: must be {form}")
-            return self.address
-        name = printable(str(self.scheduler_file))
-        try:
-            address = json.loads(self.scheduler_file.read_text(encoding="utf-8"))["address"]
-        except FileNotFoundError:
-            raise NotFoundError(f"{name}: no such file; dask scheduler --scheduler-file writes it") from None
-        except OSError as error:
-            raise RunError(f"{name}: can't be read: {reason(error)}") from error
-        except (ValueError, KeyError, TypeError):
-            address = None
-        if not isinstance(address, str) or _parts(address) is None:
-            raise RunError(f"{name}: is no scheduler file of Dask")
-        return address
 
 
 @dataclass
@@ -168,14 +111,14 @@ class DaskPool:
     def _connected(self, workers: int) -> Any:
         try:
             if not self._address:
-                self._cluster = self._held.enter_context(_own_cluster(workers))
+                self._cluster = self._held.enter_context(own_cluster(workers))
                 self._address = self._cluster.scheduler_address
             client = _client(self._cluster or self._address, timeout=CONNECT_SECONDS, set_as_default=False)
         except Exception as error:
             if self._address:
                 raise RunError(f"{self._address}: no Dask scheduler answers: {_in_short(error)}") from error
             raise RunError(f"a Dask cluster on this machine can't be started: {_in_short(error)}") from error
-        self._held.callback(_quietly, client.close, timeout=CLOSE_SECONDS)
+        self._held.callback(quietly, client.close, timeout=CLOSE_SECONDS)
         return client
 
     def _first_workers(self) -> frozenset[str]:
@@ -186,7 +129,7 @@ class DaskPool:
             raise RunError(f"{self._address}: the Dask scheduler has no workers") from None
         except Exception as error:
             raise RunError(f"{self._address}: the Dask scheduler does not answer: {_in_short(error)}") from error
-        if open_to_all := next(filter(_is_exposed, (self._address, known["address"], *known["workers"])), None):
+        if open_to_all := next(filter(is_exposed, (self._address, known["address"], *known["workers"])), None):
             self._warn(
                 f"{open_to_all} is neither TLS nor on this machine alone: whoever reaches its port can run code as you"
             )
@@ -322,8 +265,8 @@ class DaskPool:
         if not self._stopping:
             self._stopping = True
             tasks = list(self._by_number.values())
-            _quietly(self._ask, self._client.cancel, [each.theirs for each in tasks if each.told.steps == WAITING])
-        _quietly(self._ask, self._client.run, stop_cells, self._token, wait=False)  # workers may have joined since
+            quietly(self._ask, self._client.cancel, [each.theirs for each in tasks if each.told.steps == WAITING])
+        quietly(self._ask, self._client.run, stop_cells, self._token, wait=False)  # workers may have joined since
         self._next_stop = time.monotonic() + LOOK_SECONDS
 
     def replace(self) -> None:
@@ -343,44 +286,6 @@ class DaskPool:
         self._held.close()
 
 
-@contextmanager
-def _own_cluster(workers: int) -> Iterator[Any]:
-    """A cluster that only this machine reaches; its processes are deaf to what a terminal sends to all."""
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, ())
-    with as_the_program(), dask.config.set(OWN):
-        try:
-            for _ in range(2):  # the tracker's start unblocks some
-                signal.pthread_sigmask(signal.SIG_BLOCK, ending_signals())
-                _start_tracker()
-            cluster = _dask.LocalCluster(
-                n_workers=workers,
-                threads_per_worker=1,
-                host="127.0.0.1",
-                protocol="tcp",
-                security=_dask.Security(require_encryption=False),
-                dashboard_address=None,
-                memory_limit=0,
-                death_timeout=ANSWER_SECONDS,
-                silence_logs=logging.CRITICAL,
-            )
-        finally:
-            signal.pthread_sigmask(signal.SIG_SETMASK, before)
-        try:
-            yield cluster
-        finally:
-            _quietly(cluster.close, timeout=CLOSE_SECONDS)
-
-
-def _start_tracker() -> None:
-    """Start what cleans up after us, told not to say so where we are killed."""
-    before = list(sys.warnoptions)
-    sys.warnoptions[:] = ["ignore"]
-    try:
-        multiprocessing.resource_tracker.ensure_running()
-    finally:
-        sys.warnoptions[:] = before
-
-
 async def _answers(client: Any, workers: list[str], terms: Terms) -> dict[str, str | Exception]:
     """What each worker says of its `difference`."""
 
@@ -396,31 +301,6 @@ async def _answers(client: Any, workers: list[str], terms: Terms) -> dict[str, s
     return dict(zip(workers, await asyncio.gather(*map(one, workers)), strict=True))
 
 
-def _parts(address: str) -> "re.Match[str] | None":
-    """The scheme, host and port of an address; None where it can be none."""
-    found = _ADDRESS.fullmatch(address)
-    if found is None or not 0 < int(found["port"]) <= LARGEST_PORT:
-        return None
-    host = found["host"].strip("[]")
-    if ":" in host or host.replace(".", "").isdigit():
-        try:
-            ipaddress.ip_address(host)
-        except ValueError:
-            return None
-    return found
-
-
-def _is_exposed(address: str) -> bool:
-    """Whether others than those on this machine may reach an address, unencrypted."""
-    found = _parts(address)
-    if found is None or found["scheme"] == "tls" or found["host"] == "localhost":
-        return found is None
-    try:
-        return not ipaddress.ip_address(found["host"].strip("[]")).is_loopback
-    except ValueError:
-        return True
-
-
 def _settle(ours: Future[None], error: BaseException | None) -> None:
     """End a future, unless it has ended."""
     with contextlib.suppress(Exception):
@@ -428,12 +308,6 @@ def _settle(ours: Future[None], error: BaseException | None) -> None:
             ours.set_result(None)
         else:
             ours.set_exception(error)
-
-
-def _quietly(do: Callable[..., Any], *arguments: Any, **more: Any) -> None:
-    """Do what may fail where the other side is gone."""
-    with contextlib.suppress(Exception):
-        do(*arguments, **more)
 
 
 def _in_short(error: BaseException) -> str:
