@@ -32,14 +32,12 @@ def log_of(package, cache, first):
     out = cache.parent / "log.npz"
     program = (
         f"import {first}, runpy, sys\n"
-        f"sys.argv = ['package_log.py', 'social', '2000', {str(out)!r}]\n"
+        f"sys.argv = ['package_log.py', 'social', '2000', {str(out)!r}, '']\n"
         f"runpy.run_path({str(PLAYER)!r}, run_name='__main__')\n"
     )
     environment = os.environ | {"PYTHONPATH": str(package.parent), "VISITLAB_CACHE": str(cache), "NUMBA_OPT": "0"}
-    out.unlink(missing_ok=True)
-    command = [sys.executable, "-c", program]
-    subprocess.run(command, env=environment, cwd=package.parent, check=False, capture_output=True)
-    return out.read_bytes() if out.exists() else b""
+    subprocess.run([sys.executable, "-c", program], env=environment, cwd=package.parent, check=True)
+    return out.read_bytes()
 
 
 def compiled_files(cache):

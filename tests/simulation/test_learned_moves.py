@@ -11,7 +11,7 @@ from visitlab_cli.world.lab import make_lab, move
 from visitlab_cli.world.scene import Scene
 
 COLS = 6
-EAST_2 = Action.MOVE_2_EAST
+EAST_2 = int(Action.MOVE_2_EAST)
 
 
 @pytest.fixture
@@ -27,7 +27,7 @@ def known_of(lab, how):
 
 def step(robot, end, action, human=(5, 5), human_end=(5, 5), level=InteractionLevel.NOT_SEEN, angle=0):
     before = Scene(*robot, 0, *human, perceived_level=level, angle=angle, distance=2)
-    return before, Scene(*end, 0, *human_end, executed_action=action, perceived_level=level)
+    return before, Scene(*end, 0, *human_end, executed_action=int(action), perceived_level=level)
 
 
 def learned(known, learning, *scenes):

@@ -32,10 +32,11 @@ SMALL = Layout("AAAAA\nAAaAA\nBBbBB\nBBBBB")
 
 def test_a_move_ends_at_a_wall_and_goes_through_a_doorway():
     lab = SMALL.lab()
-    assert move(lab, 0, 2, Direction.SOUTH, 3, ALL_OPEN) == (3, 2)
-    assert move(lab, 0, 1, Direction.SOUTH, 3, ALL_OPEN) == (1, 1)
+    south = int(Direction.SOUTH)
+    assert move(lab, 0, 2, south, 3, ALL_OPEN) == (3, 2)
+    assert move(lab, 0, 1, south, 3, ALL_OPEN) == (1, 1)
     for direction in (Direction.SOUTH_EAST, Direction.SOUTH_WEST):  # past the corner of the doorway
-        assert move(lab, 1, 2, direction, 1, ALL_OPEN) == (1, 2)
+        assert move(lab, 1, 2, int(direction), 1, ALL_OPEN) == (1, 2)
 
 
 def test_sight_ends_at_walls_and_corners():

@@ -18,10 +18,7 @@ if TYPE_CHECKING:
 HELP = Help(
     "Look",
     place=5,
-    examples=(
-        "visitlab affordances quickstart --intents --threshold 0.5 --trials 200",
-        "visitlab affordances friends --models --experiment multi",
-    ),
+    examples=("visitlab affordances quickstart --intents --threshold 0.5 --trials 200",),
 )
 
 
