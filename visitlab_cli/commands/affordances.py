@@ -18,7 +18,10 @@ if TYPE_CHECKING:
 HELP = Help(
     "Look",
     place=5,
-    examples=("visitlab affordances quickstart --intents --threshold 0.5 --trials 200",),
+    examples=(
+        "visitlab affordances quickstart --human human_2 --json",
+        "visitlab affordances quickstart --intents --threshold 0.5 --trials 200",
+    ),
 )
 
 
