@@ -6,6 +6,8 @@ python -m tests.docs.make_adapting RUNS      # the folder of runs; a section who
 import numpy as np
 
 from tests.docs.from_runs import Page, Place, between, group_of, in_words, main, seeds_of, table
+from tests.docs.worth import adapted, again
+from tests.docs.worth import met as earned
 from visitlab_cli.plan.saved import model_of
 from visitlab_cli.results.estimates import mean_of
 from visitlab_cli.results.own_models import met
@@ -28,6 +30,18 @@ def adaptation(source):
         for how in ("all_counts", "prior_5", "prior_20", "windowed_50", "forgetting_50")
     ]
     return table(["human", "what counts", *(f"{first}-{last}" for first, last in ranges)], rows)
+
+
+def prices(source):
+    """What light old counts and forgetting cost where the past is true."""
+    humans = {"same": "human_2", "pointing": "human_2_pointing"}
+    light = {name: adapted(source, "prior_20", human) for name, human in humans.items()}
+    late = {
+        f"{way}_{name}": adapted(source, f"{way}_50", human, (901, 1000))
+        for way in ("windowed", "forgetting")
+        for name, human in humans.items()
+    }
+    return light | late
 
 
 def strangers(source):
@@ -57,6 +71,30 @@ def friends(source):
     return table(["agent", *heads], rows)
 
 
+def over_long(source):
+    """A pool of three over as many steps with Human 2, and over the very human, in words."""
+    against = {"long": "from_human_2_long", "itself": "from_itself"}
+    return {name: earned(source, "from_1_2_3", way, "human_4") for name, way in against.items()}
+
+
+def by_human(source):
+    """What each way earns on a return over one model, human by human and by seed."""
+    words, ways = source.config.figure.words, ("light_counts", "forgetting", "multi", "told", "pooled_one_model")
+    met_in = [phase.met for phase in group_of(source, "one_model").cells[0].settings.phases]
+    returning = {human: [n for n in range(len(met_in))[RETURNS] if met_in[n] == human] for human in sorted(set(met_in))}
+
+    def rest(way):
+        rewards = group_of(source, way).rewards()
+        of_phase = rewards.reshape(len(rewards), len(met_in), -1)[:, :, FIRST:].mean(axis=2)
+        return np.array([of_phase[:, phases].mean(axis=1) for phases in returning.values()])
+
+    rows = []
+    for way in ways:
+        told = [mean_of(each.tolist()).in_words("+") for each in rest(way) - rest("one_model")]
+        rows.append([words(way), *told, again(source, way)])
+    return table(["over model_based", *map(words, returning), "all"], rows)
+
+
 def switching(source):
     """What `multi_model` made of it, in words."""
     models, switches, delays, firsts, right, left = [], [], [], [], [], []
@@ -69,29 +107,39 @@ def switching(source):
         phases = list(met(cell, saved))
         firsts += [phase.delay for phase in phases[MEETINGS]]
         delays += [phase.delay for phase in phases[RETURNS]]
-        right += [phase.own.mean() for phase in phases[RETURNS]]
-    groups = [group_of(source, way) for way in ("multi", "one_model")]
-    several, one = (meetings(group.run, group.cells).rest_again for group in groups)
+        right.append(np.mean([phase.own.mean() for phase in phases[RETURNS]]))
+    share, half = mean_of(right)
     return {
-        "models": f"{np.mean(models):.1f}",
-        "switches": f"{np.mean(switches):.0f}",
-        "delay": f"{np.median(delays):.0f}",
-        "delay_90": f"{np.percentile(delays, 90):.0f}",
-        "first": f"{np.median(firsts):.0f}",
-        "right": f"{np.mean(right):.0%}",
+        "models": mean_of(models).in_words(),
+        "switches": mean_of(switches).in_words(),
+        "delay": f"{np.nanmedian(delays):.0f}",
+        "delay_90": f"{np.nanpercentile(delays, 90):.0f}",
+        "missed": f"{np.isnan(delays).sum()} of {len(delays)}",
+        "first": f"{np.nanmedian(firsts):.0f}",
+        "first_missed": f"{np.isnan(firsts).sum()} of {len(firsts)}",
+        "right": f"{share:.0%} ± {half:.0%}",
         "left": f"{len(left)} of {len(cells)}",
         "left_after": f"{np.median(left):.0f}",
-        "gain": mean_of((several - one).tolist()).in_words(),
     }
+
+
+def earns(source):
+    """What ways to keep old friends earn on a return, over one model whose counts go on, in words."""
+    from_pool = {way: again(source, way, "pooled_one_model") for way in ("pooled_light_counts", "pooled_multi")}
+    return {way: again(source, way) for way in ("light_counts", "forgetting", "multi", "pooled_one_model")} | from_pool
 
 
 FIGURES = ("adaptation", "strangers", "friends")
 PLACES = {
     "seeds": Place((), lambda: seeds_of(FIGURES)),
     "adaptation": Place(("adaptation",), adaptation),
+    "prices": Place(("adaptation",), prices),
     "strangers": Place(("strangers",), strangers),
+    "over_long": Place(("strangers",), over_long),
     "friends": Place(("friends",), friends),
     "switching": Place(("friends",), switching),
+    "by_human": Place(("friends",), by_human),
+    "earns": Place(("friends",), earns),
 }
 PAGE = Page("adapting", PLACES, FIGURES)
 

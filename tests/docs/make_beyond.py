@@ -9,10 +9,11 @@ from itertools import pairwise
 
 import numpy as np
 
-from tests.docs.from_runs import Page, Place, group_of, in_words, main, seeds_of, table, up_to
+from tests.docs.from_runs import Page, Place, between, group_of, in_words, main, seeds_of, table, up_to
 from tests.docs.worth import honest, worth
 from visitlab_cli.figures.doors_figure import bounds, recovery
 from visitlab_cli.figures.visits_figure import second_half
+from visitlab_cli.results.estimates import difference_of
 
 BATCHES = (0, 50, 100, 200, 500, 1000)
 FIRST = 20
@@ -37,7 +38,7 @@ def leading(source):
         ("the paper's modules", {"experiment": "paper"}),
         ("`[route, mask]`", {"experiment": "route_mask"}),
         ("`lead`", {"experiment": "lead"}),
-        ("`lead`, `told: true`", {"experiment": "lead_told"}),
+        ("`lead`, told the human's `p_S` and `p_A`", {"experiment": "lead_told"}),
     ]
     return visits(source, rows, [(f"Human {n}", {"human": f"human_{n}"}) for n in (1, 2, 3)])
 
@@ -74,7 +75,8 @@ def closing_visits(source):
 
 
 def hidden(source):
-    told = []
+    """The table, and what a belief costs where the human must often be shown the way."""
+    told, pointing = [], {}
     for how, words in (
         ("full", "engagement observed"),
         ("given", "belief, the true parameters"),
@@ -86,7 +88,14 @@ def hidden(source):
             row += [level(group_of(source, f"social_{how}", human=human))]
             row += [second_half(group_of(source, f"{how}{suffix}")).value.in_words()]
         told.append(row)
-    return table(["", "Human 2: social", "visit", "p_P = 0.5: social", "visit"], told)
+        pointing[how] = second_half_of(group_of(source, f"{how}_sometimes"))
+    losses = {how: difference_of(pointing["full"], pointing[how]).in_words("+") for how in ("given", "em")}
+    return losses | {"table": table(["", "Human 2: social", "visit", "p_P = 0.5: social", "visit"], told)}
+
+
+def second_half_of(group):
+    """Of each seed, goals a trial in the second half."""
+    return between(group, group.cells[0].trials // 2 + 1, group.cells[0].trials)
 
 
 def symmetry(source):
@@ -96,8 +105,9 @@ def symmetry(source):
         if group.cells[0].task == "social"
     }
     humans = sorted({human for _, human in found})
-    agents = list(dict.fromkeys(agent for agent, _ in found))
-    return table(["", *humans], [[agent, *(found.get((agent, human), "-") for human in humans)] for agent in agents])
+    agents = {"mb": "the paper's agent", "mirror": "`symmetric: true`, `unvisited: zero`"}
+    rows = [[words, *(found[agent, human] for human in humans)] for agent, words in agents.items()]
+    return table(["", *(human.replace("human_", "Human ") for human in humans)], rows)
 
 
 FIGURES = ("leading", "labs", "doors", "hidden")

@@ -82,8 +82,9 @@ def better(source):
     paper = group["every_1000"]
     told = {agent: difference_of(last_tenth(paper), last_tenth(group[agent])).in_words("+") for agent in group}
     early = difference_of(up_to(paper, 0.2), up_to(group["every_100"], 0.2))
+    last = difference_of(up_to(paper, 1), up_to(group["every_100"], 1))
     dearer = mean_of(costs(group["every_100"], microseconds)).mean / mean_of(costs(paper, microseconds)).mean
-    return told | {"early": early.in_words("+"), "dearer": f"{dearer:.1f}"}
+    return told | {"early": early.in_words("+"), "last": last.in_words("+"), "dearer": f"{dearer:.1f}"}
 
 
 def steps_until(group):
@@ -121,14 +122,16 @@ def sooner(source, agent, against="epsilon"):
 
 
 def found(source):
-    return {agent: sooner(source, agent) for agent in source.config.agents}
+    groups = [group_of(source, "social", agent, "human_1") for agent in ("epsilon", "optimistic")]
+    more = difference_of(*(up_to(group, 1) for group in groups)).in_words()
+    return {agent: sooner(source, agent) for agent in source.config.agents} | {"more": more}
 
 
 def tried(source):
     shares = {
-        agent: np.mean(tried_by(group_of(source, "social", agent, "human_1"))) for agent in ("epsilon", "optimistic")
+        agent: mean_of(tried_by(group_of(source, "social", agent, "human_1"))) for agent in ("epsilon", "optimistic")
     }
-    return {agent: f"{share:.0%}" for agent, share in shares.items()}
+    return {agent: f"{mean:.1%} ± {half:.1%}" for agent, (mean, half) in shares.items()}
 
 
 def intents(source):
@@ -146,6 +149,15 @@ def intents(source):
         rows.append([name, *affording, *counts, in_words(each.reward.tolist()), difference])
     heads = ["pairs", *(intent.value for intent in INTENTS), "planned with", "entries a sweep", "reward a trial"]
     return {"table": table([*heads, "difference, by seed"], rows), "own": in_words(found.own.tolist())}
+
+
+def sure(source):
+    """What a k of 0.9 costs, by seed."""
+    found = {human: intents_by_human(source)[human] for human in ("human_2", "human_3")}
+    return {
+        human: each.difference(next(kept for kept in each.sets if kept.threshold == 0.9)).in_words("+")
+        for human, each in found.items()
+    }
 
 
 def others(source):
@@ -187,6 +199,7 @@ PLACES = {
     "tried": Place(("exploration",), tried),
     "intents": Place(("strangers",), intents),
     "others": Place(("strangers",), others),
+    "sure": Place(("strangers",), sure),
 }
 PAGE = Page("planning", PLACES, FIGURES)
 

@@ -66,7 +66,7 @@ METRICS = {
     "attention_back": Metric(SHARE, "losses that are made good in the same trial"),
     "belief_right": Metric(SHARE, "steps after which the likeliest engagement is the true one"),
     "belief_right_engaged": Metric(SHARE, "the same, of steps after which the human is engaged"),
-    "own_model": Metric(SHARE, "steps chosen by the model that is most often active with that human"),
+    "own_model": Metric(SHARE, "steps chosen by the human's own model, which no other human had more often"),
     "steps_until_own_model": Metric(STEPS_UNIT, "from a phase's beginning until that model is active"),
     "path_efficiency": Metric(
         RATIO, "the human's shortest way to a goal over the way that it walked, of goals reached"

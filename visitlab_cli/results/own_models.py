@@ -1,6 +1,6 @@
 """How well an agent of several models told humans apart: its switches beside who was really there."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -16,7 +16,8 @@ Ints = npt.NDArray[np.int64]
 class Met(NamedTuple):
     """A phase: its human, and whether at each of its steps the human's own model was active.
 
-    A human's own model is the one that was active in most of the steps with that human, over all phases.
+    A model belongs to the human with whom it was most often active, over all phases; a human's own is the one of its
+    models that was most often active with it. Who shares a model with another who had it more often has none.
     """
 
     human: str
@@ -57,6 +58,16 @@ def met(cell: Cell, saved: Saved) -> Iterator[Met]:
     ends = np.cumsum(cell.settings.phase_trials) * cell.settings.trial_steps
     active = np.split(active_models(saved, cell.steps), ends[:-1])
     humans = [phase.met for phase in cell.settings.phases]
+    own = _own(humans, active)
     for human, models in zip(humans, active, strict=True):
-        of_human = np.concatenate([each for each, there in zip(active, humans, strict=True) if there == human])
-        yield Met(human, models == np.bincount(of_human).argmax())
+        yield Met(human, models == own[human])
+
+
+def _own(humans: Sequence[str], active: Sequence[Ints]) -> dict[str, int]:
+    """The own model of each human, -1 for none, from who was there and which models were active, phase by phase."""
+    names = list(dict.fromkeys(humans))
+    steps = np.zeros((len(names), 1 + max(int(models.max()) for models in active)), np.int64)
+    for human, models in zip(humans, active, strict=True):
+        np.add.at(steps[names.index(human)], models, 1)
+    theirs = np.where(steps == steps.max(axis=0), steps, 0)
+    return {name: int(row.argmax()) if row.any() else -1 for name, row in zip(names, theirs, strict=True)}
