@@ -92,7 +92,8 @@ def by_human(source):
     for way in ways:
         told = [mean_of(each.tolist()).in_words("+") for each in rest(way) - rest("one_model")]
         rows.append([words(way), *told, again(source, way)])
-    return table(["over model_based", *map(words, returning), "all"], rows)
+    heads = [human.replace("human_", "Human ").replace("_", " with ") for human in returning]
+    return table(["over model_based", *heads, "all"], rows)
 
 
 def switching(source):
@@ -126,7 +127,12 @@ def switching(source):
 def earns(source):
     """What ways to keep old friends earn on a return, over one model whose counts go on, in words."""
     from_pool = {way: again(source, way, "pooled_one_model") for way in ("pooled_light_counts", "pooled_multi")}
-    return {way: again(source, way) for way in ("light_counts", "forgetting", "multi", "pooled_one_model")} | from_pool
+    return {way: again(source, way) for way in ("multi", "pooled_one_model")} | from_pool
+
+
+def more(source):
+    """What several models earn over one that lets go of old counts, in words."""
+    return {way: again(source, "multi", way) for way in ("light_counts", "forgetting")}
 
 
 FIGURES = ("adaptation", "strangers", "friends")
@@ -140,6 +146,7 @@ PLACES = {
     "switching": Place(("friends",), switching),
     "by_human": Place(("friends",), by_human),
     "earns": Place(("friends",), earns),
+    "more": Place(("friends",), more),
 }
 PAGE = Page("adapting", PLACES, FIGURES)
 

@@ -92,7 +92,7 @@ def adapting(adaptation, strangers, friends):
         "**a model for each human** (`multi_model`), old friends return",
         "one model",
         again(friends, "multi"),
-        "all of it with Human 1; light old counts and forgetting earn as much",
+        "all of it with Human 1; that it is more than the next is not shown",
     )
     yield (
         "light old counts (`prior_strength: 20`); `forgetting` (k 50), old friends return",
