@@ -78,7 +78,7 @@ LATER: dict[str, dict[str, tuple[str, Any]]] = {
 
 HASHES = {
     "beyond/doors": "f08c50a4", "beyond/hidden": "3511f468", "beyond/labs": "3fe4e1ef", "beyond/leading": "5610060a",
-    "beyond/adaptation": "22663ee4", "beyond/friends": "a62fec01", "beyond/strangers": "b777d315",
+    "beyond/adaptation": "22663ee4", "beyond/friends": "e3e3b40b", "beyond/strangers": "b777d315",
     "beyond/symmetry": "45768628", "beyond/coordination": "63a190ab", "beyond/planners": "2e3e4366",
     "beyond/exploration": "cbe10a6d",
     "generalisation": "0a09fb53", "my-human": "3ed1abad", "paper": "c7c38838", "quickstart": "621f9df4",
