@@ -32,6 +32,9 @@ class Kind(Settings):
     absent: ClassVar[str] = ""
     """Why nothing can be simulated with it: it stands for a kind that is not installed here. Empty of all others."""
 
+    never: ClassVar[Mapping[str, str]] = {}
+    """Settings that others of its sort have and it can't, each with the reason."""
+
     @classmethod
     def compiled(cls) -> bool:
         """Whether what is simulated with it is kernels, not plain Python."""

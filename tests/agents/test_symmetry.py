@@ -8,9 +8,12 @@ from pydantic import TypeAdapter
 
 from tests.program import hashes, the_run, visitlab
 from visitlab_cli.agents.base import Setting, choose, learn
+from visitlab_cli.agents.registry import KINDS as AGENTS
 from visitlab_cli.agents.registry import AnyAgent
 from visitlab_cli.agents.symmetry import fault_in_fold, fold, folded, unfolded
+from visitlab_cli.agents.tabular import TabularParameters
 from visitlab_cli.compiled import kernel
+from visitlab_cli.config.canonical import config_hash
 from visitlab_cli.config.loading import load
 from visitlab_cli.errors import ConfigError
 from visitlab_cli.random_numbers import random_state
@@ -144,6 +147,25 @@ def test_a_config_that_asks_too_much_is_told(text, told, tmp_path):
     (tmp_path / "mirror.yaml").write_text(text)
     with pytest.raises(ConfigError, match=re.escape(told)):
         load(tmp_path / "mirror.yaml")
+
+
+@pytest.mark.parametrize("word", sorted(AGENTS))
+def test_a_kind_has_the_setting_where_it_can_take_it_and_only_there(word, tmp_path):
+    kind = AGENTS[word]
+    if "symmetric" in kind.model_fields:
+        zero = {"unvisited": "zero"} if "unvisited" in kind.model_fields else {}
+        assert kind(kind=word, symmetric=True, **zero).symmetric
+    elif issubclass(kind, TabularParameters):
+        file = tmp_path / "mirror.yaml"
+        text = config().replace("kind: q_learning, symmetric: true", f"kind: {word}, symmetric: WHETHER")
+        file.write_text(text.replace("WHETHER", "true"))
+        with pytest.raises(ConfigError, match=f"agents.q.symmetric: unknown of this kind: {kind.never['symmetric']}"):
+            load(file)
+        hashes = set()
+        for told in (text.replace("WHETHER", "false"), text.replace(", symmetric: WHETHER", "")):
+            file.write_text(told)  # the first is what a run's config said that was made before
+            hashes.add(config_hash(load(file)))
+        assert len(hashes) == 1
 
 
 @pytest.mark.slow

@@ -111,6 +111,8 @@ def in_yaml(found):
         return ", ".join(f"{key}: {in_yaml(inner)}" for key, inner in found.items())
     if isinstance(found, list):
         return f"[{', '.join(map(in_yaml, found))}]"
+    if isinstance(found, bool):
+        return str(found).lower()
     return f"{found:g}" if isinstance(found, float) else str(found)
 
 
@@ -128,7 +130,8 @@ def value(node, definitions):
         return f"list of {count(node)}{value(node.get('items', {}), definitions)}"
     if kind in ("integer", "number"):
         return {"integer": "whole number", "number": "number"}[kind] + bounds(node)
-    return {"string": "name" if "pattern" in node else "text", "object": "mapping"}.get(kind, "any")
+    words = {"string": "name" if "pattern" in node else "text", "object": "mapping", "boolean": "true or false"}
+    return words[kind] if kind else "any"
 
 
 def count(node):

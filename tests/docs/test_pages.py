@@ -34,6 +34,11 @@ def test_no_page_names_a_place_on_somebodys_machine():
         assert not re.search(r"/(home|root|tmp|work|Users)/", file.read_text()), file
 
 
+def test_the_config_page_says_of_each_setting_what_it_may_be(made):
+    assert "| any |" not in made["docs/config.md"]
+    assert "| `told` | true or false | false |" in made["docs/config.md"]
+
+
 def test_the_example_of_the_config_page_does_what_the_page_says(tmp_path):
     (tmp_path / "example.yaml").write_text(EXAMPLE)
     groups = [cell.group for cell in plan(load(tmp_path / "example.yaml"))]

@@ -4,10 +4,10 @@ A pair never tried has R = 0 and any state next. Its value u is that of the fixe
 known states + u times the number of the others) / S, where a state is known once it was valued, and others are worth u.
 """
 
-from typing import Any, ClassVar, NamedTuple, Self
+from collections.abc import Mapping
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
-from pydantic import model_validator
 
 from visitlab_cli.agents.base import EPSILON, GAMMA, Saved, Setting
 from visitlab_cli.agents.declared import Declared, counts, floats
@@ -34,11 +34,10 @@ class KnownValuesParameters(OneModelParameters):
     gamma: float = GAMMA
     epsilon: float = EPSILON
 
-    @model_validator(mode="after")
-    def _not_symmetric(self) -> Self:
-        if self.symmetric:
-            raise ValueError("can't be symmetric: what was never tried leads to any state, of which it has no rows")
-        return self
+    symmetric: ClassVar[bool] = False  # type: ignore[misc]
+    never: ClassVar[Mapping[str, str]] = {
+        "symmetric": "what was never tried leads to any state, of which it would have no rows"
+    }
 
     def _save(self, record: Any) -> Saved:
         """Also the values of the states, and which are known."""

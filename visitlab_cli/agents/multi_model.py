@@ -9,11 +9,11 @@ new one (Chartouny, Khamassi and Girard 2025).
 """
 
 from collections.abc import Mapping
-from typing import Any, ClassVar, Literal, Self
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 import numpy.typing as npt
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from visitlab_cli.agents.base import CHOOSE, CHOOSE_AS, LEARN, TELL, Saved, Setting, zeros
 from visitlab_cli.agents.declared import Declared, counts, fault_in_model, floats
@@ -69,18 +69,15 @@ class MultiModelParameters(SweptParameters):
     parts: ClassVar[tuple[str, ...]] = (MODELS_PART,)
     tasks: ClassVar[tuple[str, ...]] = (SOCIAL, VISIT)
     microseconds_a_step: ClassVar[Mapping[str, float]] = {SOCIAL: 0.77, VISIT: 5.8}
+    symmetric: ClassVar[bool] = False  # type: ignore[misc]
+    never: ClassVar[Mapping[str, str]] = {"symmetric": "its models are of all states"}
     kind: Literal["multi_model"]
     told: bool = Field(
         default=False,
-        description="whether it is told when another human comes, and who of those it met; else it finds out",
+        description="whether it is told which phase's human comes, of whom the first has the trained model; without "
+        "phases nobody is told; else it finds out",
         json_schema_extra=since("0.2.0"),
     )
-
-    @model_validator(mode="after")
-    def _of_all_states(self) -> Self:
-        if self.symmetric:
-            raise ValueError("symmetric is not for several models")
-        return self
 
     @property
     def forgets(self) -> bool:
@@ -133,6 +130,11 @@ class MultiModelParameters(SweptParameters):
         record.qs[0] = saved["q"]
         gather(record)
         return record
+
+    @property
+    def is_told(self) -> bool:
+        """As declared."""
+        return self.told
 
     def meet(self, record: Any, human: int) -> None:
         """Where it is told: go on with that human's model, or with a new one; the first human's is the trained one."""

@@ -52,6 +52,7 @@ def check(plain: Plain, *, kept: bool = False) -> tuple[Config | None, list[Issu
         plain: the values.
         kept: whether they are a run's own, which can be read where a kind of others is not to be had.
     """
+    plain = _without_the_never(plain)
     others, issues = _others(plain, kept=kept)
     text = json.dumps(plain)  # strict about types as JSON is, where a list may become a tuple
     model = _model(others)
@@ -63,6 +64,24 @@ def check(plain: Plain, *, kept: bool = False) -> tuple[Config | None, list[Issu
     whole = Declared(config.humans, config.agents, config.experiments, config.expected, farthest, config.labs)
     found = issues + reference_issues(whole)
     return (None, found) if found else (_with_whole_modules(config), [])
+
+
+def _without_the_never(plain: Plain) -> Plain:
+    """The values without what kinds can't have where it is said to be false, as runs of before said it, too."""
+    agents = plain.get("agents") if isinstance(plain, dict) else None
+    if not isinstance(agents, dict):
+        return plain
+    never = {
+        name: AGENTS[str(entry[KIND])].never
+        for name, entry in agents.items()
+        if isinstance(entry, dict) and isinstance(entry.get(KIND), str) and entry[KIND] in AGENTS
+    }
+    had = {
+        name: {key: value for key, value in entry.items() if key not in never[name] or value is not False}
+        for name, entry in agents.items()
+        if never.get(name)
+    }
+    return {**plain, "agents": agents | had}
 
 
 def _others(plain: Plain, *, kept: bool) -> tuple[Others, list[Issue]]:

@@ -67,7 +67,9 @@ def _issue(error: ErrorDetails, config: type[Config]) -> Issue:
         return Issue(path, "missing")
     if kind == "extra_forbidden":
         name, known = loc[-1], sorted(_known_keys(loc[:-1], config))
-        return Issue(path, f"unknown{or_else(name, known)}", at="key")
+        why = getattr(_model_at(loc[:-1], config), "never", {}).get(name)
+        instead = f" of this kind: {why}; leave it out" if why else or_else(name, known)
+        return Issue(path, f"unknown{instead}", at="key")
     if kind in ("union_tag_not_found", "union_tag_invalid"):
         return _wrong_tag(error, path)
     left_out = _left_out(loc, config) if error["input"] is None else ""
