@@ -68,7 +68,8 @@ class MultiModelParameters(SweptParameters):
     takes_masks: ClassVar[bool] = True
     parts: ClassVar[tuple[str, ...]] = (MODELS_PART,)
     tasks: ClassVar[tuple[str, ...]] = (SOCIAL, VISIT)
-    microseconds_a_step: ClassVar[Mapping[str, float]] = {SOCIAL: 0.77, VISIT: 5.8}
+    microseconds_a_step: ClassVar[Mapping[str, float]] = {SOCIAL: 0.77, VISIT: 7.1}
+    """In a visit with phases and some five models; it grows with what they know, to twice that from a pool of three."""
     symmetric: ClassVar[bool] = False  # type: ignore[misc]
     never: ClassVar[Mapping[str, str]] = {"symmetric": "its models are of all states"}
     kind: Literal["multi_model"]
