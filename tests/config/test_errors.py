@@ -219,6 +219,41 @@ ONE_LINE = [
         "    task: visit\n    models: pair",
         "17:13: experiments.visit.models: must be paired, first or crossed (got 'pair')",
     ),
+    (
+        "social: social/mb/human_2",
+        "social: [social/mb/human_1, social/mb/human_2]",
+        "17:81: experiments.visit.modules.social: must be one module, or several as one: "
+        "{pool: [social/mb/human_1, social/mb/human_2]}",
+    ),
+    (
+        "social/mb/human_2",
+        "{pool: [social/mb/human_1, [social/mb/human_2]]}",
+        "17:108: experiments.visit.modules.social.pool.1: must be one module (got a list); "
+        "several as one: a visit's social module only",
+    ),
+    (
+        "[human_1, human_2], steps: 100",
+        "[human_1], start_from: {pool: [social/mb/human_2]}",
+        "14:75: experiments.social.start_from: must be one module (got a mapping); "
+        "several as one: a visit's social module only",
+    ),
+    (
+        "social/mb/human_2",
+        "{pool: [navigation/rmax, social/mb/human_2]}",
+        "17:89: experiments.visit.modules.social.pool.0: navigation has the task navigation; needed is social; "
+        "known: social",
+    ),
+    (
+        "social/mb/human_2",
+        "{pool: [social/mf/human_2, social/mb/human_2]}",
+        "17:89: experiments.visit.modules.social.pool.0: an agent of kind q_learning can't be put together of "
+        "several; one of model_based or multi_model can",
+    ),
+    (
+        "social/mb/human_2}",
+        "navigation/mf}\n    plan_every: 10",
+        "17:81: experiments.visit.modules.social: navigation has the task navigation; needed is social; known: social",
+    ),
     # the rest
     (
         "name: lab",

@@ -3,9 +3,9 @@
 from collections.abc import Iterable, Mapping
 from typing import Annotated, Any, NamedTuple
 
-from pydantic import AfterValidator, Field
+from pydantic import AfterValidator, BeforeValidator, Field
 
-from visitlab_cli.wording import few
+from visitlab_cli.wording import few, shown
 
 NAME_RULE = "a name has 1 to 64 of A-Z a-z 0-9 . _ - and starts with a letter or digit"
 _NAME = r"[A-Za-z0-9][A-Za-z0-9._-]{0,63}"
@@ -16,7 +16,14 @@ MODULE_RULE = "a module is experiment/agent or experiment/agent/human"
 Name = Annotated[str, Field(pattern=NAME_PATTERN)]
 """Safe as the name of a folder: no separators, no leading dot or dash, at most 64 characters."""
 
-ModuleName = Annotated[str, Field(pattern=MODULE_PATTERN)]
+
+def _one_module(given: Any) -> Any:
+    if isinstance(given, list | tuple | dict):
+        raise ValueError(f"must be one module (got {shown(given)}); several as one: a visit's social module only")
+    return given
+
+
+ModuleName = Annotated[str, Field(pattern=MODULE_PATTERN), BeforeValidator(_one_module)]
 
 
 def distinct(entries: tuple[Any, ...]) -> tuple[Any, ...]:

@@ -137,11 +137,16 @@ def _can_play(name: str, task: str, declared: Declared) -> Iterator[str]:
 
 def _visit(path: Path, visit: Visit, declared: Declared) -> Iterator[Issue]:
     pool = visit.modules.pool
+    wrong: list[str] = []
     for role, text in visit.modules.by_role.items():
         steers = role in visit.steering
         place: Path = (SOCIAL, "pool", pool.pool.index(text)) if pool and not steers else (role,)
         for message in _module(role if steers else SOCIAL, text, declared):
+            wrong.append(role)
             yield Issue((*path, "modules", *place), message)
+    if set(wrong) - {*visit.steering}:  # what follows from who plays would be told of somebody who was not meant
+        yield from _controller(path, visit, None, declared)
+        return
     name = visit.starts[SOCIAL].agent
     social = declared.agents.get(name)
     for message in _can_play(name, VISIT, declared):
@@ -160,6 +165,7 @@ def _pool(path: Path, pool: Pool, first: AgentParameters, declared: Declared) ->
     if not first.pools:
         can = " or ".join(kind for kind, agent in KINDS.items() if agent.pools)
         yield Issue((*path, 0), f"an agent of kind {_kind(first)} can't be put together of several; one of {can} can")
+        return
     named = module(pool.pool[0]).agent
     for index, text in enumerate(pool.pool):
         other = declared.agents.get(module(text).agent)

@@ -20,6 +20,7 @@ from visitlab_cli.simulation.controller import LEAD, PLAN, make_planned
 from visitlab_cli.simulation.estimates import RECENT
 from visitlab_cli.simulation.visit import Visit as VisitTask
 from visitlab_cli.simulation.visit import make_visit
+from visitlab_cli.wording import cut, printable
 from visitlab_cli.world.columns import BELIEF
 from visitlab_cli.world.columns import PLAN as PLAN_PART
 from visitlab_cli.world.lab import goals_of
@@ -57,7 +58,17 @@ def _form_of_social(given: Any) -> str:
     return SOME if isinstance(given, Mapping | Pool) else WORD
 
 
-SocialModule = Annotated[Annotated[ModuleName, Tag(WORD)] | Annotated[Pool, Tag(SOME)], Discriminator(_form_of_social)]
+def _no_list(given: Any) -> Any:
+    if isinstance(given, list | tuple):
+        names = ", ".join(each if isinstance(each, str) else "..." for each in given)
+        raise ValueError(f"must be one module, or several as one: {{pool: [{printable(cut(names))}]}}")
+    return given
+
+
+SocialModule = Annotated[
+    Annotated[ModuleName, BeforeValidator(_no_list), Tag(WORD)] | Annotated[Pool, Tag(SOME)],
+    Discriminator(_form_of_social),
+]
 
 
 class Modules(Settings):
