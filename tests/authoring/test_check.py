@@ -11,6 +11,7 @@ from tests.agents.plain_q import PlainQ, PlainQParameters
 from tests.program import visitlab
 from visitlab_cli.agents.registry import KINDS
 from visitlab_cli.authoring.check import check
+from visitlab_cli.authoring.kinds import agent_of
 
 FILE = Path(__file__).parents[1] / "agents" / "plain_q.py"
 ALONE = sorted(word for word, kind in KINDS.items() if not kind.references)
@@ -108,11 +109,16 @@ def test_the_command_tells_what_it_asked_and_what_failed(tmp_path):
         (["observer"], 2, "observer: refers to other agents (watches, learner, acts_as)"),
         (["q_learning", "alpha"], 2, "alpha: must be key=value"),
         (["q_learning", "alpha=[1"], 2, "alpha=[1: the value is no YAML"),
-        (["q_learning", "alpha=2"], 3, "alpha: must be at most 1"),
-        (["q_learning", "aplha=0.2"], 3, "unknown; did you mean alpha?"),
+        (["q_learning", "alpha=2"], 3, "alpha=2: must be at most 1 (got 2)"),
+        (["q_learning", "aplha=0.2"], 3, "aplha=0.2: unknown; did you mean alpha?"),
+        (["model_based", "bonus=1"], 3, "model_based: exploration: count_bonus goes with a bonus, and only that does"),
     ],
 )
 def test_what_can_not_be_checked_is_one_line(words, code, line):
     done = visitlab("plugin", "check", *words)
     assert (done.returncode, done.stdout, done.stderr.count("\n")) == (code, "", 1)
-    assert line in done.stderr
+    assert done.stderr.startswith(line)
+
+
+def test_with_settings_that_some_tasks_do_not_take_it_is_checked_in_the_others():
+    assert agent_of("q_learning", ["symmetric=true"]).playable == ("social", "visit")

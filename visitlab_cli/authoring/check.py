@@ -68,7 +68,7 @@ def check_agent(kind: str, **parameters: Any) -> list[Answer]:
 
 def check(parameters: AgentParameters) -> Iterator[Answer]:
     """Ask every question of an agent, one after another; the first of a task that it fails is its last there."""
-    for task in parameters.tasks:
+    for task in parameters.playable:
         size, goals = TASKS[task].size(paper_lab()), TASKS[task].goals(paper_lab())
         setting = Setting(task, *size, STEPS, seed=SEED, cell=f"check/{task}", goals=goals)
         random = np.random.default_rng(SEED)

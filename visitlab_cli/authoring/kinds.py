@@ -1,19 +1,20 @@
 """The agent that a command names: a kind, built in or somebody else's, with parameters as `key=value`."""
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import yaml
 
 from visitlab_cli.agents.base import AgentParameters
 from visitlab_cli.agents.registry import KINDS
 from visitlab_cli.config.loading import load_text
-from visitlab_cli.errors import NotFoundError, RunError, UsageError
+from visitlab_cli.errors import ConfigError, NotFoundError, RunError, UsageError
 from visitlab_cli.kinds import KIND
 from visitlab_cli.plugins import NoSuchKindError, PluginError, find
 from visitlab_cli.wording import or_else, printable
 from visitlab_cli.world.columns import ENGAGEMENT
-from visitlab_cli.world.tasks import TASKS
+from visitlab_cli.world.tasks import SOCIAL, TASKS
 
 AGENT = "it"
 
@@ -41,16 +42,16 @@ def agent_of(word: str, parameters: Sequence[str] = ()) -> AgentParameters:
         raise UsageError(
             f"{word}: refers to other agents ({', '.join(kind.references)}), and is nothing to check alone"
         )
-    values = {}
+    values, given = {}, {}
     for each in parameters:
         key, equals, text = each.partition("=")
         if not (key and equals):
             raise UsageError(f"{printable(each)}: must be key=value")
         try:
-            values[key] = yaml.safe_load(text)
+            values[key], given[key] = yaml.safe_load(text), each
         except yaml.YAMLError:
             raise UsageError(f"{printable(each)}: the value is no YAML") from None
-    task = kind.tasks[0]
+    task = SOCIAL if SOCIAL in kind.tasks else kind.tasks[0]  # with some settings it plays no other
     document = {
         "name": "check",
         "humans": {"somebody": {"p_S": [0, 0.5, 0.5]}},
@@ -60,4 +61,14 @@ def agent_of(word: str, parameters: Sequence[str] = ()) -> AgentParameters:
             | ({"humans": ["somebody"]} if TASKS[task].has(ENGAGEMENT) else {})
         },
     }
-    return load_text(json.dumps(document), "KEY=VALUE").agents[AGENT]
+    try:
+        return load_text(json.dumps(document), "KEY=VALUE").agents[AGENT]
+    except ConfigError as error:
+        raise ConfigError("\n".join(_in_words(word, given, each) for each in error.problems), error.problems) from None
+
+
+def _in_words(word: str, given: Mapping[str, str], problem: Mapping[str, Any]) -> str:
+    """What is wrong with what was given, or with the kind as it is then."""
+    section, *path = str(problem["path"]).split(".")
+    key = path[1] if section == "agents" and len(path) > 1 else None
+    return f"{word if key is None else printable(given.get(key, key))}: {problem['message']}"
