@@ -32,12 +32,48 @@ def test_null_leaves_a_key_out(loaded: Load, complaint: Complain) -> None:
     phases = "experiments.visit.phases=[{trials: 2, human: human_1}]"
     told = complaint(overrides=[phases])
     assert [line.partition(": ")[2] for line in told] == [
-        "experiments.visit.humans: stands in the phases; leave it out"
+        f"experiments.visit.humans: stands in the phases; leave it out (by override '{phases}')"
     ]
     assert loaded(overrides=[phases, "experiments.visit.humans=null"]).experiments["visit"].n_trials == 2
     assert "script" not in loaded(overrides=["agents.script=null"]).agents
-    assert complaint(overrides=["experiments.visit.modules=null"])[0].endswith("experiments.visit.modules: missing")
+    assert "experiments.visit.modules: missing (by " in complaint(overrides=["experiments.visit.modules=null"])[0]
     assert complaint(overrides=["sedes=null"])[0].endswith("sedes: unknown; did you mean seeds?")
+
+
+TOGETHER = "agents.mb: exploration: count_bonus goes with a bonus, and only that does"
+
+
+@pytest.mark.parametrize(
+    ("overrides", "line"),
+    [
+        (["agents.mb.bonus=1"], f"override 'agents.mb.bonus=1': {TOGETHER}"),
+        (["agents.mb.bonus=1", "seeds=2"], f"override 'agents.mb.bonus=1': {TOGETHER}"),
+        (
+            ["experiments.navigation.agents=[mf]"],
+            "lab.yaml:17:27: experiments.visit.modules.navigation: navigation does not train rmax; known: mf "
+            "(by override 'experiments.navigation.agents=[mf]')",
+        ),
+        (
+            ["experiments.navigation.trial_steps=30", "seeds=2"],
+            "lab.yaml:12:61: experiments.navigation.steps: must be a whole number of trials of 30 steps, such as 90 or "
+            "120 (got 100) (by the overrides)",
+        ),
+    ],
+)
+def test_what_is_wrong_by_an_override_names_it(complaint: Complain, overrides: list[str], line: str) -> None:
+    assert complaint(overrides=overrides) == [line]
+
+
+def test_an_override_is_not_blamed_for_what_was_wrong_before(complaint: Complain) -> None:
+    text = edited("kind: model_based", "kind: model_based, bonus: 1")
+    assert complaint(text, ["agents.mb.gamma=0.5"]) == [f"lab.yaml:7:7: {TOGETHER}"]
+
+
+def test_a_figure_says_nothing_of_what_an_override_leaves_out(loaded: Load) -> None:
+    figure = "figure: {question: Who?, draws: curves, names: {visit: all, mf: free}, dashed: {script: mb, mf: mb}}"
+    settings = loaded(edited("name: lab", f"name: lab\n{figure}"), ["experiments.visit=null", "agents.script=null"])
+    assert settings.figure is not None
+    assert (settings.figure.names, settings.figure.dashed) == ({"mf": "free"}, {"mf": "mb"})
 
 
 def test_the_last_override_of_a_key_wins(loaded: Load) -> None:

@@ -1,10 +1,10 @@
 """From a document to a config: validation, references, and every problem positioned."""
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import cache
-from typing import Any, get_args
+from typing import Any, NamedTuple, get_args
 
 from pydantic import Field, TypeAdapter, ValidationError, create_model
 
@@ -22,9 +22,9 @@ from visitlab_cli.humans.base import HumanParameters
 from visitlab_cli.humans.registry import KINDS as HUMANS
 from visitlab_cli.kinds import KIND, Kind, absent, any_of
 from visitlab_cli.plugins import NoSuchKindError, PluginError, find
-from visitlab_cli.wording import start_comparing
+from visitlab_cli.wording import or_else, start_comparing
 from visitlab_cli.yaml.document import Node, Plain
-from visitlab_cli.yaml.problems import Issue, Problem, failure, positioned
+from visitlab_cli.yaml.problems import Issue, Problem, by_an_override, failure, positioned
 
 SECTIONS = ("humans", "agents", "experiments", "labs")
 NOT_KEPT = "can't be kept: it is read otherwise than it is written (a fault of its kind)"
@@ -138,7 +138,30 @@ def _again(text: str) -> Config:
     return config
 
 
-def build(document: Node, problems: list[Problem], *, kept: bool = False) -> Config:
+class Overridden(NamedTuple):
+    """A document as it was `written`, and the sources of the places in it that overrides have made since."""
+
+    written: Node
+    overrides: Sequence[str]
+
+    def blamed(self, document: Node, issues: Iterable[Issue]) -> Iterator[Problem]:
+        """Issues of the overridden document, each with its place, those that the written one lacks with an override."""
+        issues = list(issues)
+        new = {*issues} - self._issues() if issues and self.overrides else set()
+        for issue in issues:
+            if issue in new:
+                yield by_an_override(document, issue, self.overrides)
+            else:
+                yield positioned(document, issue)
+
+    def _issues(self) -> set[Issue]:
+        whole, issues, _ = resolve_like(with_maps(self.written, []))
+        return {*issues, *check(whole.plain())[1]}
+
+
+def build(
+    document: Node, problems: list[Problem], overridden: Overridden | None = None, *, kept: bool = False
+) -> Config:
     """The config of a document (with includes and overrides), its grid not yet checked; `kept` as `check` says.
 
     Raises:
@@ -147,13 +170,13 @@ def build(document: Node, problems: list[Problem], *, kept: bool = False) -> Con
     start_comparing()
     if not kept:
         document = with_maps(document, problems)
+    overridden = overridden or Overridden(document, ())
     whole, issues, broken = resolve_like(document)
     config, found = check(whole.plain(), kept=kept)
-    everything = [*problems, *(positioned(document, issue) for issue in issues)]
+    everything = [*problems, *overridden.blamed(document, issues)]
     told = unread_maps(whole)
-    everything += [
-        positioned(whole, issue) for issue in found if issue.path[:2] not in broken and issue.path[:3] not in told
-    ]
+    found = [issue for issue in found if issue.path[:2] not in broken and issue.path[:3] not in told]
+    everything += overridden.blamed(whole, found)
     if not everything and config is not None:
         everything = [positioned(whole, issue) for issue in _otherwise_read_back(config, kept=kept)]
     if everything or config is None:

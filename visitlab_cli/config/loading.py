@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from visitlab_cli.config.building import build
+from visitlab_cli.config.building import Overridden, build
 from visitlab_cli.config.files import find, shipped_folder
 from visitlab_cli.config.grid import with_checked_grid
 from visitlab_cli.config.model import Config
@@ -12,7 +12,7 @@ from visitlab_cli.wording import shown
 from visitlab_cli.yaml.document import Node, Place
 from visitlab_cli.yaml.files import read_content
 from visitlab_cli.yaml.include import INCLUDE, read_with_includes
-from visitlab_cli.yaml.overrides import Sections, apply_overrides
+from visitlab_cli.yaml.overrides import Sections, apply_overrides, source_of
 from visitlab_cli.yaml.problems import Problem, failure
 from visitlab_cli.yaml.reader import read_yaml
 
@@ -46,8 +46,10 @@ def load(name: str | Path, overrides: Sequence[str] = ()) -> Config:
     keys = [override.partition("=")[0] for override in overrides]
     if any(key not in HARMLESS and key.split(".")[0] != EXPECTED for key in keys):
         document = document.with_entries({key: node for key, node in document.value.items() if key != EXPECTED})
+    written = document
     document, more = apply_overrides(document, overrides, SECTIONS)
-    config = with_checked_grid(build(document, problems + more), document)
+    sources = [source_of(override) for override in overrides]
+    config = with_checked_grid(build(document, problems + more, Overridden(written, sources)), document)
     for key, _, text in (override.partition("=") for override in overrides):
         if key in config.vary:
             instead = f"override vary.{key}=[{text}]"

@@ -49,6 +49,12 @@ class Node:
         inner = self.value.values() if isinstance(self.value, dict) else self.value
         return 1 + sum(child.size() for child in inner) if isinstance(self.value, dict | list) else 1
 
+    def sources(self) -> set[str]:
+        """Where it and what it holds come from."""
+        inner = self.value.values() if isinstance(self.value, dict) else self.value
+        held = inner if isinstance(self.value, dict | list) else ()
+        return {self.place.source}.union(*(child.sources() for child in held))
+
     def child(self, part: str | int) -> "Node | None":
         """The entry under a key or at an index."""
         if isinstance(self.value, dict):

@@ -38,7 +38,7 @@ def apply_overrides(document: Node, overrides: Sequence[str], sections: Sections
         key, equals, text = override.partition("=")
         if not equals or not all(key.split(".")) or len(key) > LONGEST_KEY:
             raise UsageError(f"override {shown(override)}: must be key=value, such as seeds=10")
-        source = f"override {shown(override)}"
+        source = source_of(override)
         value, found = read_yaml(text, source, lines=False)
         problems += found
         place = Place(source)
@@ -46,6 +46,11 @@ def apply_overrides(document: Node, overrides: Sequence[str], sections: Sections
         is_null = value is not None and value.value is None
         document = _override(document, key, new, sections, problems, is_null=is_null)
     return document, problems
+
+
+def source_of(override: str) -> str:
+    """The source of the places that an override makes."""
+    return f"override {shown(override)}"
 
 
 def _override(

@@ -1,6 +1,6 @@
 """Problems of a config as lines `file:line:column: path: message`, all at once and sorted."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -56,6 +56,22 @@ def positioned(document: Node, issue: Issue) -> Problem:
             return Problem(node.text.further(line - 1, column - 1), issue.path, issue.message)
         return Problem(node.place, issue.path, f"line {line}, column {column} of it: {issue.message}")
     return Problem(node.key if at_key and node.key else node.place, issue.path, issue.message)
+
+
+def by_an_override(document: Node, issue: Issue, overrides: Sequence[str]) -> Problem:
+    """Where an issue stands that is none of the file without the overrides, which are `sources` of places.
+
+    An issue of a whole mapping stands at the overrides in it; one that only follows from an override says so.
+    """
+    problem = positioned(document, issue)
+    if not problem.place.line:
+        return problem
+    node, found = document.nearest(issue.path)
+    inside = [source for source in overrides if source in node.sources()] if found else []
+    if inside:
+        return Problem(Place(" and ".join(inside)), issue.path, issue.message)
+    whose = overrides[0] if len(overrides) == 1 else "the overrides"
+    return Problem(problem.place, issue.path, f"{issue.message} (by {whose})")
 
 
 def failure(problems: Iterable[Problem]) -> ConfigError:
