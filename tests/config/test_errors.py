@@ -257,6 +257,16 @@ ONE_LINE = [
     # the rest
     (
         "name: lab",
+        "name: lab\nfigure: {question: Who?, draws: curves, names: {mbb: it, visit: the visit}}",
+        "2:49: figure.names.mbb: no experiment, agent or human is called mbb; did you mean mb?",
+    ),
+    (
+        "name: lab",
+        "name: lab\nfigure: {question: Who?, draws: curves, dashed: {mf: mb, rmax: human_3}}",
+        "2:64: figure.dashed.rmax: no experiment, agent or human is called human_3; did you mean human_2?",
+    ),
+    (
+        "name: lab",
         "name: lab\nrecord: {steps: evry}",
         "2:17: record.steps: must be every or none (got 'evry')",
     ),

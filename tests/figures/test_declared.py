@@ -154,8 +154,11 @@ def test_no_meetings_without_somebody_who_comes_again(tmp_path):
 
 
 def test_the_declared_figure_alone_is_drawn_below_its_question(tmp_path, capsys):
-    figure = "figure: {question: 'What is it worth?', draws: curves, names: {mbb: the model}}\n"
+    figure = "figure: {question: 'What is it worth?', draws: curves, names: {mb: the model}}\n"
     run = written(tmp_path, lambda cell: [1.0], more=figure)
+    words = (run / "config.yaml").read_text()
+    assert "{mb: the model}" in words
+    (run / "config.yaml").write_text(words.replace("{mb: the model}", "{mbb: the model}"))
     done = visitlab("figures", run)
     assert (done.returncode, done.stdout) == (0, f"{run}/figures/curves.svg\n")
     assert done.stderr == "curves: figure: no experiment, agent or human is called mbb\n"

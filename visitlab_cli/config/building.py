@@ -178,10 +178,32 @@ def build(
     found = [issue for issue in found if issue.path[:2] not in broken and issue.path[:3] not in told]
     everything += overridden.blamed(whole, found)
     if not everything and config is not None:
-        everything = [positioned(whole, issue) for issue in _otherwise_read_back(config, kept=kept)]
+        config, found = (config, []) if kept else _with_known_names(config, overridden.written)
+        found += _otherwise_read_back(config, kept=kept)
+        everything = [positioned(whole, issue) for issue in found]
     if everything or config is None:
         raise failure(everything)
     return config
+
+
+def _with_known_names(config: Config, written: Node) -> tuple[Config, list[Issue]]:
+    """The config whose figure says nothing of what overrides have left out, and what else it says of nobody."""
+    if config.figure is None:
+        return config, []
+    of = ("experiments", "agents", "humans")
+    unknown = config.figure.unknown({name for section in of for name in getattr(config, section)})
+    there = {name for section in of if (node := written.child(section)) for name in node.entries()}
+    gone = {name for _, name in unknown} & there
+    known = config.model_copy(update={"figure": config.figure.without(gone)})
+    return known, [
+        Issue(
+            ("figure", *place),
+            f"no experiment, agent or human is called {name}{or_else(name, sorted(there))}",
+            at="key" if place[-1] == name else "value",
+        )
+        for place, name in unknown
+        if name not in gone
+    ]
 
 
 def _otherwise_read_back(config: Config, *, kept: bool) -> Iterator[Issue]:

@@ -1,11 +1,13 @@
 """The figure of a config: the question that its run answers, and how the answer is drawn. It changes no result."""
 
-from typing import Annotated, Literal
+from collections.abc import Collection
+from typing import Annotated, Literal, Self
 
 from pydantic import AfterValidator, Field
 
 from visitlab_cli.config.names import Name
 from visitlab_cli.settings import Settings
+from visitlab_cli.yaml.problems import Path
 
 LONGEST_WORDS, LONGEST_QUESTION = 60, 200
 
@@ -42,6 +44,18 @@ class FigureSettings(Settings):
         default={}, description="whose curves are dashed, each in the colour of another agent or experiment"
     )
     costs: bool = Field(default=False, description="in curves of agents, also what a step of each costs")
+
+    def unknown(self, known: Collection[str]) -> list[tuple[Path, str]]:
+        """The names in it that are none of the `known`, each with its place in it."""
+        said = [((part, name), name) for part in ("names", "dashed") for name in getattr(self, part)]
+        said += [(("dashed", name), other) for name, other in self.dashed.items()]
+        return [(place, name) for place, name in said if name not in known]
+
+    def without(self, names: Collection[str]) -> Self:
+        """The same without what it says of these names."""
+        kept = {name: words for name, words in self.names.items() if name not in names}
+        dashed = {name: other for name, other in self.dashed.items() if not {name, other} & {*names}}
+        return self.model_copy(update={"names": kept, "dashed": dashed})
 
     def words(self, name: str) -> str:
         """What a name is called."""

@@ -139,7 +139,5 @@ def _unknown(source: Source) -> list[str]:
     """A line about names in the config's `figure` that nobody has."""
     config = source.config
     assert config.figure is not None
-    known = {*config.experiments, *config.agents, *config.humans}
-    figure = config.figure
-    wrong = [name for name in [*figure.names, *figure.dashed, *figure.dashed.values()] if name not in known]
+    wrong = [name for _, name in config.figure.unknown({*config.experiments, *config.agents, *config.humans})]
     return [f"figure: no experiment, agent or human is called {', '.join(dict.fromkeys(wrong))}"] if wrong else []
