@@ -140,6 +140,26 @@ def test_of_a_visit_with_a_pool_it_is_said_that_each_row_is_one_training(tmp_pat
         assert ("itself begins" in (tmp_path / "matrix.svg").read_text()) == bool(trainings)
 
 
+ELSEWHERE = CONFIG.replace(
+    "  visit:\n", "  more: {task: social, agents: [mb], humans: [c, a], steps: 20}\n  visit:\n", 1
+)
+
+
+def test_each_training_of_a_pool_is_a_row_wherever_it_was_trained(tmp_path):
+    pool = ELSEWHERE.replace("social: social/mb/a}", "social: {pool: [social/mb/b, more/mb/c, more/mb/a]}}")
+    pooled, chosen = open_run(tmp_path, load_text(pool, "matrix.yaml"), VERSIONS)
+    planned = plan_matrix(chosen, "visit")
+    matrix = matrix_of(pooled, planned)
+    assert matrix.trained == ["b", "social/mb/a", "c", "more/mb/a"]
+    for pairing, cells in planned.items():
+        training = matrix.trainings[pairing.trained]
+        assert training.endswith(pairing.trained)
+        assert {(cell.modules["social"], len(cell.modules)) for cell in cells} == {
+            (f"{training}/seed-000{seed}", 3) for seed in range(3)
+        }
+    assert "one training alone; not of social/mb: more/mb/c, more/mb/a; visit itself begins with 3" in text(matrix)
+
+
 def test_the_picture_says_every_number_and_marks_what_is_missing(run, tmp_path):
     planned = plan_matrix(config(), "visit")
     for number, (pairing, cells) in enumerate(planned.items()):

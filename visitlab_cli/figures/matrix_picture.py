@@ -102,7 +102,7 @@ def _draw_panel(axes: "Axes", matrix: Matrix, mode: str, scale: "Normalize") -> 
     for row, column in np.ndindex(means.shape):
         colour = INK if np.isnan(means[row, column]) or scale(means[row, column]) > LIGHT else "white"
         axes.text(column, row, _words(found[row][column]), ha="center", va="center", color=colour, linespacing=1.4)
-        if trained[row] == met[column]:
+        if trained[row].rpartition("/")[2] == met[column]:
             axes.add_patch(Rectangle((column - 0.47, row - 0.46), 0.94, 0.92, fill=False, color=VERMILION, lw=1.6))
     axes.tick_params(length=0)
     axes.spines[:].set_visible(False)

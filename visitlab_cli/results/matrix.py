@@ -10,7 +10,9 @@ from itertools import product
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from visitlab_cli.config.experiment import Experiment
 from visitlab_cli.config.model import Config
+from visitlab_cli.config.names import Module
 from visitlab_cli.plan.cells import Cell, plan
 from visitlab_cli.plan.evaluation import AS_DECLARED, Evaluation
 from visitlab_cli.results.estimates import Estimate, mean_of
@@ -25,7 +27,10 @@ MODES = (FROZEN, ADAPTING)
 
 
 class Pairing(NamedTuple):
-    """The human trained with, the human met, and how: `frozen` or `adapting`."""
+    """The human trained with, the human met, and how: `frozen` or `adapting`.
+
+    Of several trainings with one human, which a pool may have, `trained` is the training.
+    """
 
     trained: str
     met: str
@@ -62,6 +67,8 @@ class Matrix(NamedTuple):
     trials: int
     goals: dict[Pairing, Goals]
     pool: tuple[str, ...] = ()
+    trainings: Mapping[str, str] = {}
+    """The training of each row."""
 
     @property
     def trained(self) -> list[str]:
@@ -83,7 +90,9 @@ class Matrix(NamedTuple):
         """What a row is, where the visit itself begins with a pool; else nothing."""
         if not self.pool:
             return ""
-        return f"Each row is one training alone; {self.visit} itself begins with {len(self.pool)} as one."
+        elsewhere = [each for each in self.trainings.values() if each.rpartition("/")[0] != self.social]
+        told = f"; not of {self.social}: {', '.join(elsewhere)}" if elsewhere else ""
+        return f"Each row is one training alone{told}; {self.visit} itself begins with {len(self.pool)} as one."
 
     def as_json(self) -> dict[str, Any]:
         """Plain values."""
@@ -94,6 +103,7 @@ class Matrix(NamedTuple):
             "trials": self.trials,
             "measure": {FROZEN: "goals a trial", ADAPTING: "goals a trial, last tenth"},
             "trained_with": self.trained,
+            "trainings": dict(self.trainings),
             "humans": self.met,
             "goals": [
                 {"trained_with": pairing.trained, "human": pairing.met, "mode": pairing.mode, **goals.as_json()}
@@ -113,15 +123,25 @@ def plan_matrix(config: Config, visit: str, humans: Sequence[str] = (), trials: 
     """
     settings = config.experiments[visit]
     own = settings.starts[SOCIAL]
-    training = config.experiments[own.experiment]
     planned: Planned = {}
-    for trained, met, mode in product(training.met, humans or config.humans, MODES):
-        social = "" if trained == own.human and not settings.pooled else "/".join((own.experiment, own.agent, trained))
+    trainings = _trainings(config, settings)
+    alike = [training.human for training in trainings]
+    for training, met, mode in product(trainings, humans or config.humans, MODES):
+        social = "" if training == own and not settings.pooled else training.text
         as_declared = not social and met in settings.met and mode == ADAPTING and trials in (None, settings.n_trials)
         options = AS_DECLARED if as_declared else Evaluation((met,), trials, mode == FROZEN, social)
         cells = plan(config, options)
+        trained = str(training.human) if alike.count(training.human) == 1 else training.text
         planned[Pairing(trained, met, mode)] = [c for c in cells if (c.experiment, c.human) == (visit, met)]
     return planned
+
+
+def _trainings(config: Config, settings: Experiment) -> list[Module]:
+    """The rows: those of the experiment and agent of the social module, and what else is in its pool."""
+    own = settings.starts[SOCIAL]
+    humans = config.experiments[own.experiment].met
+    pool = [settings.starts[role] for role in settings.pooled]
+    return list(dict.fromkeys([*(own._replace(human=human) for human in humans), *pool]))
 
 
 def matrix_of(run: Path, planned: Mapping[Pairing, Sequence[Cell]]) -> Matrix:
@@ -135,7 +155,8 @@ def matrix_of(run: Path, planned: Mapping[Pairing, Sequence[Cell]]) -> Matrix:
     goals = {pairing: _goals(run, cells) for pairing, cells in planned.items()}
     visit = read_config(run).experiments[some.experiment]
     pool = tuple(visit.starts[role].text for role in visit.pooled)
-    return Matrix(some.experiment, f"{social.experiment}/{social.agent}", some.trials, goals, pool)
+    trainings = {pairing.trained: cells[0].settings.starts[SOCIAL].text for pairing, cells in planned.items()}
+    return Matrix(some.experiment, f"{social.experiment}/{social.agent}", some.trials, goals, pool, trainings)
 
 
 def _goals(run: Path, cells: Sequence[Cell]) -> Goals:
