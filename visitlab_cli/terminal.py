@@ -11,6 +11,7 @@ import os
 import re
 import sys
 import traceback
+from collections.abc import Iterable
 from typing import Any, NoReturn
 
 from visitlab_cli.errors import RunError, reason
@@ -46,6 +47,12 @@ def tell(*lines: str, err: bool = False, end: str = "\n") -> None:
         BrokenPipeError: its reader left.
     """
     _write("\n".join(map(plain, lines)) + end, err)
+
+
+def tell_all(notes: Iterable[str | None]) -> None:
+    """Tell on the way what there is of some notes, a line each."""
+    for note in filter(None, notes):
+        tell(note, err=True)
 
 
 def tell_text(text: str, *, err: bool = False) -> None:

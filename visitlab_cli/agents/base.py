@@ -131,6 +131,11 @@ class AgentParameters(Kind):
         """The parameters with which one goes on from what `pooled` gave."""
         return self
 
+    @property
+    def is_told(self) -> bool:
+        """Whether it makes something of being told that another human comes (`meet`)."""
+        return False
+
     def meet(self, record: Any, human: int) -> None:
         """Be told that another human comes: at a visit's start, and where phases change it.
 

@@ -81,7 +81,9 @@ def command(
     from visitlab_cli.errors import UsageError
     from visitlab_cli.plan.cells import plan
     from visitlab_cli.plan.evaluation import Evaluation
+    from visitlab_cli.plan.notes import notes_on
     from visitlab_cli.storage.run_folder import find_run, read_config
+    from visitlab_cli.terminal import tell_all
     from visitlab_cli.wording import or_else, printable
 
     at = dask_at(executor, address, scheduler_file, workers)
@@ -113,6 +115,8 @@ def command(
     cells = plan(config, Evaluation(tuple(human or ()), trials, frozen))
     chosen = [cell for cell in cells if experiment in ("", cell.experiment)]
     _check_trained(folder, config, chosen)
+    if not quiet:
+        tell_all(notes_on(chosen))
     run_and_tell(folder, config, chosen, how)
 
 

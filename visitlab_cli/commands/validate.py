@@ -6,7 +6,7 @@ import typer
 
 from visitlab_cli.console.help import Help
 from visitlab_cli.console.options import Config, Json, Overrides, Plugins
-from visitlab_cli.terminal import tell, tell_json, tell_text
+from visitlab_cli.terminal import tell, tell_all, tell_json, tell_text
 
 HELP = Help(
     "Configure",
@@ -36,6 +36,7 @@ def command(
     from visitlab_cli.config.loading import load
     from visitlab_cli.errors import ConfigError
     from visitlab_cli.plan.cells import plan
+    from visitlab_cli.plan.notes import notes_on
     from visitlab_cli.scene.lab_in_text import lab_in_text
 
     try:
@@ -46,9 +47,11 @@ def command(
             tell_json({"valid": False, "errors": error.problems})
         raise
     steps = sum(cell.steps for cell in cells)
-    run = f"{loaded.name}-{config_hash(loaded)}"
+    run, notes = f"{loaded.name}-{config_hash(loaded)}", notes_on(cells)
+    if not as_json:
+        tell_all(notes)
     if as_json:
-        told: dict[str, Any] = {"valid": True, "run": run, "cells": len(cells), "steps": steps}
+        told: dict[str, Any] = {"valid": True, "run": run, "cells": len(cells), "steps": steps, "notes": notes}
         tell_json({**told, "config": canonical(loaded)} if show else told)
     elif show:
         tell_text(dump_yaml(loaded).rstrip("\n"))

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from visitlab_cli.console.words import aligned
 from visitlab_cli.errors import Interrupted, RunError, UsageError, VisitlabError
-from visitlab_cli.terminal import plain, tell, tell_json, tell_text
+from visitlab_cli.terminal import plain, tell, tell_all, tell_json, tell_text
 
 if TYPE_CHECKING:
     from visitlab_cli.config.model import Config
@@ -74,13 +74,14 @@ def run_config(out: Path, config: "Config", cells_of: "Callable[[Config], list[C
         ConfigError: an expected value can never be checked.
     """
     from visitlab_cli.plan.cells import plan
+    from visitlab_cli.plan.notes import notes_on
     from visitlab_cli.results.expected import check_expected
     from visitlab_cli.storage.nearest import news_of
     from visitlab_cli.storage.run_folder import run_name
 
     check_expected(config, plan(config))
-    if not how.quiet and (news := news_of(out, config)):
-        tell(news, err=True)
+    if not how.quiet:
+        tell_all([news_of(out, config), *notes_on(cells_of(config))])
     if how.dry_run:
         folder = out / run_name(config)
         run_and_tell(folder, config, cells_of(config), how)

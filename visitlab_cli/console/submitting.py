@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from visitlab_cli.errors import RunError, reason
-from visitlab_cli.terminal import tell, tell_json
+from visitlab_cli.terminal import tell, tell_all, tell_json
 
 if TYPE_CHECKING:
     from visitlab_cli.config.model import Config
@@ -51,6 +51,7 @@ def submit(out: Path, config: "Config", asked: Asked) -> None:
     from visitlab_cli.jobs.queue import hand_in, site_limit
     from visitlab_cli.jobs.script import SHELL, SLURM, Request, check, script_text, submissions
     from visitlab_cli.plan.cells import plan
+    from visitlab_cli.plan.notes import notes_on
     from visitlab_cli.plugins import files
     from visitlab_cli.results.expected import check_expected
     from visitlab_cli.storage.nearest import news_of
@@ -83,11 +84,11 @@ def submit(out: Path, config: "Config", asked: Asked) -> None:
     script = (asked.script or run / JOBS / f"{asked.system}.sh").absolute()
     commands = submissions(request, script) if missing else []
     numbers: list[str] = []
+    tell_all(notes_on(missing))
     if missing and asked.dry_run:
         warn_of_hindrance(run)
     elif missing:
-        if news := news_of(out, config):
-            tell(news, err=True)
+        tell_all([news_of(out, config)])
         with held_run(out, config, lambda line: tell(line, err=True)):
             for folder in (run / JOBS, script.parent):
                 _make(folder)
