@@ -254,6 +254,12 @@ ONE_LINE = [
         "navigation/mf}\n    plan_every: 10",
         "17:81: experiments.visit.modules.social: navigation has the task navigation; needed is social; known: social",
     ),
+    (
+        "    modules: {navigation: navigation/rmax",
+        "    controller: route\n    modules: {navigation: social/mf/human_1",
+        "18:27: experiments.visit.modules.navigation: social has the task social; needed is navigation; "
+        "known: navigation",
+    ),
     # the rest
     (
         "name: lab",

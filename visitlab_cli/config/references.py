@@ -144,8 +144,10 @@ def _visit(path: Path, visit: Visit, declared: Declared) -> Iterator[Issue]:
         for message in _module(role if steers else SOCIAL, text, declared):
             wrong.append(role)
             yield Issue((*path, "modules", *place), message)
-    if set(wrong) - {*visit.steering}:  # what follows from who plays would be told of somebody who was not meant
-        yield from _controller(path, visit, None, declared)
+    # what follows from who plays would be told of somebody who was not meant
+    navigation = None if NAVIGATION in wrong else declared.agents.get(module(visit.modules.navigation).agent)
+    if set(wrong) - {*visit.steering}:
+        yield from _controller(path, visit, None, navigation, declared)
         return
     name = visit.starts[SOCIAL].agent
     social = declared.agents.get(name)
@@ -157,7 +159,7 @@ def _visit(path: Path, visit: Visit, declared: Declared) -> Iterator[Issue]:
         if social is not None and not social.plans and option in visit.model_fields_set:
             message = f"means nothing here: the social module's agent, {name}, does not plan; leave it out"
             yield Issue((*path, option), message, at="key")
-    yield from _controller(path, visit, social, declared)
+    yield from _controller(path, visit, social, navigation, declared)
 
 
 def _pool(path: Path, pool: Pool, first: AgentParameters, declared: Declared) -> Iterator[Issue]:
@@ -177,13 +179,14 @@ def _pool(path: Path, pool: Pool, first: AgentParameters, declared: Declared) ->
             yield Issue((*path, index), f"{named} and {module(text).agent} can't be one: {why}")
 
 
-def _controller(path: Path, visit: Visit, social: AgentParameters | None, declared: Declared) -> Iterator[Issue]:
-    """What a controller other than the paper's needs and has not."""
+def _controller(
+    path: Path, visit: Visit, social: AgentParameters | None, navigation: AgentParameters | None, declared: Declared
+) -> Iterator[Issue]:
+    """What a controller other than the paper's needs and has not, of agents as far as they are known."""
     options = visit.options
     if visit.told and PLAN not in options:
         yield Issue((*path, "told"), "means nothing here: the controller does not plan; leave it out", at="key")
     name = module(visit.modules.navigation).agent
-    navigation = declared.agents.get(name)
     if options and navigation is not None and not navigation.plans:
         message = f"needs a navigation module that learns a model; {name}, of kind {_kind(navigation)}, has none"
         yield Issue((*path, "controller"), message)
