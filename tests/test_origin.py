@@ -8,10 +8,10 @@ import zlib
 import pytest
 
 from tests.program import visitlab
-from visitlab_cli.errors import UsageError
+from visitlab_cli.errors import RunError, UsageError
 from visitlab_cli.origin import METADATA, check_ours, is_ours, marked_png
 from visitlab_cli.same_pictures import same_pictures
-from visitlab_cli.whole_file import write_again
+from visitlab_cli.whole_file import new_file, new_folder, write_again
 
 PNG = b"\x89PNG\r\n\x1a\n" + b"".join(
     struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
@@ -38,6 +38,7 @@ COMMANDS = {
     "affordances": ("affordances", "RUN", "--picture", "FILE.png"),
     "matrix": ("eval", "RUN", "--matrix", "--picture", "FILE.pdf"),
     "report": ("report", "RUN", "-o", "FILE.html"),
+    "labs": ("labs", "quickstart", "--picture", "FILE.svg"),
     "export": ("export", "RUN", "--parquet", "-o", "FILE.parquet"),
 }
 
@@ -73,10 +74,88 @@ def test_the_viewers_picture_is_marked_and_still_one(tmp_path):
     assert (image.size, image.info["Software"]) == ((1, 1), "visitlab")
 
 
-def test_a_pipe_is_not_waited_for(tmp_path):
-    os.mkfifo(tmp_path / "a.svg")
+@pytest.mark.parametrize("behind_a_link", [False, True])
+@pytest.mark.parametrize(("make", "what"), [(os.mkfifo, "device or pipe"), (os.mkdir, "folder")])
+def test_what_is_no_file_is_refused_and_stays(tmp_path, make, what, behind_a_link):
+    there = tmp_path / "there"
+    make(there)
+    kind = there.stat().st_mode
+    file = tmp_path / "a.svg" if behind_a_link else there
+    if behind_a_link:
+        file.symlink_to("there")
+    with pytest.raises(UsageError, match=f"^{file}: is a {what}; choose a file$"):
+        write_again(file, b"ours")
+    for new in (new_file, new_folder):
+        with pytest.raises(UsageError, match=f"^{file}: exists"), new(file):
+            pytest.fail("it was begun")
+    assert there.stat().st_mode == kind
+    assert file.is_symlink() == behind_a_link
+
+
+def _new_file(path):
+    with new_file(path) as beside:
+        beside.write_bytes(b"ours")
+
+
+def _new_folder(path):
+    with new_folder(path) as folder:
+        folder.mkdir()
+
+
+@pytest.mark.parametrize("write", [lambda path: write_again(path, b"ours"), _new_file, _new_folder])
+def test_a_link_stays_and_what_it_leads_to_is_written(tmp_path, write):
+    (tmp_path / "elsewhere").mkdir()
+    file = tmp_path / "a.svg"
+    file.symlink_to("elsewhere/b.svg")
+    write(file)
+    assert file.is_symlink()
+    assert file.is_dir() if write is _new_folder else file.read_bytes() == b"ours"
+    assert {path.relative_to(tmp_path).as_posix() for path in tmp_path.rglob("*")} == {
+        "a.svg",
+        "elsewhere",
+        "elsewhere/b.svg",
+    }
+
+
+def test_what_a_link_leads_to_is_as_safe_as_any_file(tmp_path):
+    file, theirs, empty = (tmp_path / name for name in ("a.svg", "theirs", "empty"))
+    theirs.write_bytes(THEIRS["an SVG"])
+    empty.touch()
+    file.symlink_to("theirs")
     with pytest.raises(UsageError, match="was not written by visitlab"):
-        check_ours(tmp_path / "a.svg")
+        write_again(file, b"ours")
+    with pytest.raises(UsageError, match="exists"):
+        _new_file(file)
+    assert theirs.read_bytes() == THEIRS["an SVG"]
+    file.unlink()
+    file.symlink_to("empty")
+    write_again(file, b"ours")
+    assert empty.read_bytes() == b"ours"
+    file.unlink()
+    file.symlink_to("a.svg")
+    with pytest.raises(RunError, match="Too many levels of symbolic links"):
+        write_again(file, b"ours")
+    assert file.is_symlink()
+
+
+@pytest.mark.parametrize("name", ["strip", "save", "affordances", "matrix", "report", "export", "labs"])
+def test_no_command_replaces_a_link(tiny_run, tmp_path, name):
+    words = COMMANDS[name]
+    (target,) = (tmp_path / word for word in words if word.startswith("FILE"))
+    target.symlink_to(f"behind{target.suffix}")
+    words = (tiny_run if word == "RUN" else target if word.startswith("FILE") else word for word in words)
+    done = visitlab(*words)
+    assert done.returncode == 0, done.stderr
+    assert target.is_symlink()
+    assert (tmp_path / f"behind{target.suffix}").stat().st_size
+
+
+@pytest.mark.parametrize("path", [".", "/", ".."])
+@pytest.mark.parametrize("words", [["report", "RUN", "-o"], ["export", "RUN", "--foxglove", "-o"]])
+def test_a_path_that_ends_in_no_name_is_refused(tiny_run, tmp_path, words, path):
+    done = visitlab(*(tiny_run if word == "RUN" else word for word in words), path, cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr.splitlines()[-1].startswith(f"{path}: ")
 
 
 @pytest.mark.parametrize("words", COMMANDS.values(), ids=COMMANDS)

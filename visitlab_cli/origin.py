@@ -60,23 +60,28 @@ def is_ours(file: Path) -> bool:
     return any(first.startswith(begin) and (mark in first or mark in last) for begin, mark in _MARKS.items())
 
 
-def check_ours(file: Path) -> None:
+def check_ours(file: Path) -> Path:
     """Refuse to write in the place of what is not visitlab's; what is not there yet, or is empty, is no hindrance.
 
+    Returns:
+        Where to write: the file, or of a link what it leads to.
+
     Raises:
-        UsageError: something of somebody else's is there.
+        UsageError: something of somebody else's is there, or what is no file.
         RunError: it can't be read.
     """
     try:
         there = file.stat()
-        is_empty = stat.S_ISREG(there.st_mode) and not there.st_size
-        if is_empty or stat.S_ISDIR(there.st_mode) or is_ours(file):
-            return  # of a folder writing tells
+        if not stat.S_ISREG(there.st_mode):
+            what = "folder" if stat.S_ISDIR(there.st_mode) else "device or pipe"
+            raise UsageError(f"{file}: is a {what}; choose a file")
+        if there.st_size and not is_ours(file):
+            raise UsageError(f"{file}: exists and was not written by visitlab; move it away or choose another file")
     except (FileNotFoundError, NotADirectoryError):
-        return
+        pass
     except OSError as error:
         raise RunError(f"{file}: can't be read: {reason(error)}") from error
-    raise UsageError(f"{file}: exists and was not written by visitlab; move it away or choose another file")
+    return Path(os.path.realpath(file)) if file.is_symlink() else file
 
 
 def marked_png(content: bytes) -> bytes:

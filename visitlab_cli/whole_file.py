@@ -13,7 +13,7 @@ from visitlab_cli.origin import check_ours
 
 @contextlib.contextmanager
 def whole_file(path: Path) -> Iterator[Path]:
-    """A path beside `path` to write to; what is there at the end of the block takes the place of `path`.
+    """A path beside `path` to write to; what is there at the end of the block takes the place of `path`, even a link.
 
     Raises:
         RunError: it can't be written.
@@ -31,7 +31,7 @@ def whole_file(path: Path) -> Iterator[Path]:
 
 @contextlib.contextmanager
 def new_file(path: Path) -> Iterator[Path]:
-    """As `whole_file`, but never in the place of another.
+    """As `whole_file`, but never in the place of another; a link to what is not there yet leads to the new file.
 
     Raises:
         UsageError: `path` exists.
@@ -39,7 +39,7 @@ def new_file(path: Path) -> Iterator[Path]:
     """
     if path.exists():
         raise UsageError(f"{path}: exists; choose another file with -o")
-    with whole_file(path) as beside:
+    with whole_file(check_ours(path)) as beside:
         yield beside
 
 
@@ -53,6 +53,7 @@ def new_folder(path: Path) -> Iterator[Path]:
     """
     if path.exists():
         raise UsageError(f"{path}: exists; choose another folder with -o")
+    path = check_ours(path)
     beside = path.absolute().with_name(f".tmp-{uuid.uuid4().hex[:8]}-{path.name[-100:]}")
     try:
         beside.mkdir()
@@ -77,9 +78,10 @@ def write_whole(path: Path, content: bytes) -> None:
 def write_again(path: Path, content: bytes) -> None:
     """Write a picture, recording or page whole, in the place of nothing but another that visitlab wrote.
 
+    Of a link it is what the link leads to.
+
     Raises:
-        UsageError: `path` is there and somebody else's.
+        UsageError: `path` is there and somebody else's, or no file.
         RunError: it can't be written.
     """
-    check_ours(path)
-    write_whole(path, content)
+    write_whole(check_ours(path), content)

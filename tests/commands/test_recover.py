@@ -113,3 +113,18 @@ def test_a_log_to_which_no_step_was_written_says_so(tmp_path, end, words):
     done = visitlab("recover", log)
     assert (done.returncode, done.stdout) == (4, "")
     assert done.stderr == f"{log}: nothing in it can be saved: {words}\n"
+
+
+@pytest.mark.parametrize("path", [".", "/", "folder"])
+def test_what_is_no_file_is_one_line(tmp_path, path):
+    (tmp_path / "folder").mkdir()
+    done = visitlab("recover", path, cwd=tmp_path)
+    assert (done.returncode, done.stdout, done.stderr) == (4, "", f"{path}: cannot read the log: is no file\n")
+
+
+def test_a_link_that_nobody_chose_is_not_followed(log, tmp_path):
+    (log.parent / "steps.recovered.mcap").symlink_to(tmp_path / "outside")
+    done = visitlab("recover", log)
+    assert (done.returncode, done.stderr.count("\n")) == (2, 1)
+    assert "steps.recovered.mcap: is a link" in done.stderr
+    assert not (tmp_path / "outside").exists()

@@ -54,6 +54,7 @@ def submit(out: Path, config: "Config", asked: Asked) -> None:
     from visitlab_cli.plan.notes import notes_on
     from visitlab_cli.plugins import files
     from visitlab_cli.results.expected import check_expected
+    from visitlab_cli.storage.inside import check_inside
     from visitlab_cli.storage.nearest import news_of
     from visitlab_cli.storage.on_disk import JOBS
     from visitlab_cli.storage.run_folder import run_name
@@ -90,6 +91,8 @@ def submit(out: Path, config: "Config", asked: Asked) -> None:
     elif missing:
         tell_all([news_of(out, config)])
         with held_run(out, config, lambda line: tell(line, err=True)):
+            if asked.script is None:
+                check_inside(run, script)
             for folder in (run / JOBS, script.parent):
                 _make(folder)
             write_again(script, script_text(request, script).encode())

@@ -88,9 +88,11 @@ def make_figures(
             raise UsageError(f"--only {name}: no such figure; there are {', '.join(NAMES)}")
     source = open_source(run)
     with being_written(run) if into is None else nullcontext():
+        names = _names(source.config.figure, only)
         if into is None:
-            check_inside(run, run / FIGURES)
-        made = _make(source, strip, _names(source.config.figure, only), kind, into or run / FIGURES)
+            for name in names:
+                check_inside(run, run / FIGURES / f"{name}.{kind}")
+        made = _make(source, strip, names, kind, into or run / FIGURES)
     if not made.files:
         needs = [f"{name} needs {need}" for name, need in NEEDS.items() if name in made.notes]
         needs += ["configs/paper/ has what each of the paper's needs"] if made.notes.keys() - NEEDS else []

@@ -61,13 +61,13 @@ def recover(broken: Path, fixed: Path | None = None) -> Recovered:
         UsageError: `fixed` exists.
         RunError: nothing can be saved, or a file cannot be read or written.
     """
-    target = fixed or broken.with_name(broken.name.removesuffix(".mcap") + SUFFIX)
     if not broken.exists():
         raise NotFoundError(f"{broken}: no such file")
-    if target.exists() and target.samefile(broken):
-        raise UsageError(f"{target}: is the file to recover; choose another with -o")
     if not broken.is_file():
         raise RunError(f"{broken}: cannot read the log: is no file")
+    target = fixed or broken.with_name(broken.name.removesuffix(".mcap") + SUFFIX)
+    if target.exists() and target.samefile(broken):
+        raise UsageError(f"{target}: is the file to recover; choose another with -o")
     try:
         file = broken.open("rb")
     except OSError as error:
@@ -79,6 +79,8 @@ def recover(broken: Path, fixed: Path | None = None) -> Recovered:
         size = McapSource(file).size
         while first < size or not (saved or left_out):
             path = target if not saved else target.with_name(f"{target.stem}-{len(saved) + 1}{target.suffix}")
+            if path.is_symlink() and (fixed is None or saved):
+                raise UsageError(f"{path}: is a link, and nobody chose it; choose another file with -o")
             try:
                 with new_file(path) as beside:
                     one, first = _one(file, first, path, beside)
