@@ -11,7 +11,7 @@ import typer
 from visitlab_cli import __version__, commands
 from visitlab_cli.console.help import commands_in
 from visitlab_cli.console.options import NoColor
-from visitlab_cli.console.program import Program
+from visitlab_cli.console.program import Command, Program
 from visitlab_cli.errors import Interrupted, NotFoundError, RunError, VisitlabError, reason
 from visitlab_cli.stopping import interruptible, was_asked
 from visitlab_cli.terminal import end, lead_nowhere, tell
@@ -51,7 +51,8 @@ def _add(group: typer.Typer, folder: ModuleType) -> None:
             _add(within, module)
             group.add_typer(within, name=name, rich_help_panel=panel)
         else:
-            group.command(name, rich_help_panel=panel if group is app else None, epilog=epilog)(module.command)
+            within_panel = panel if group is app else None
+            group.command(name, cls=Command, rich_help_panel=within_panel, epilog=epilog)(module.command)
 
 
 _add(app, commands)

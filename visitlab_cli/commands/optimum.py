@@ -1,6 +1,5 @@
 """`visitlab optimum`: what is possible at all in navigation, go_to_human and the social task, exactly."""
 
-import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -49,12 +48,10 @@ def command(
     kind: computed once, ten seconds a human or more, and kept. Of a visit none is known.
     """
     from visitlab_cli.config.labs import labs_of
-    from visitlab_cli.errors import NotFoundError, UsageError
+    from visitlab_cli.errors import NotFoundError
     from visitlab_cli.exact.values import exact_values
     from visitlab_cli.wording import or_else, printable
 
-    if math.isnan(gamma):
-        raise UsageError("--gamma nan: must be a number")
     found = _config_of(config or PAPER, out)
     known = labs_of(found.labs)
     for name in named or ():

@@ -1,5 +1,7 @@
 """The program as a group of commands: wrong usage is one line, and a reader that leaves early is no failure."""
 
+from collections.abc import Iterator
+from pathlib import Path
 from typing import Any, cast
 
 import typer
@@ -40,6 +42,31 @@ class Program(typer.core.TyperGroup):
         except BrokenPipeError:
             lead_nowhere()
             raise typer.Exit from None
+
+
+class Command(typer.core.TyperCommand):
+    """A command: no argument of it and no path may be empty, as of a variable that was not set."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Parse the words."""
+        raw = list(args)
+        left = super().parse_args(ctx, args)
+        if ctx.resilient_parsing:
+            return left
+        words = self.make_parser(ctx).parse_args(raw)[0]
+        for param in self.params:
+            if "" not in _each(words.get(param.name)):
+                continue
+            if param.param_type_name == "argument":
+                raise UsageError(f"{param.metavar or param.name.upper()}: must not be empty")
+            if any(isinstance(value, Path) for value in _each(ctx.params[param.name])):
+                raise UsageError(f"{max(param.opts, key=len)}: must not be empty")
+        return left
+
+
+def _each(value: Any) -> Iterator[Any]:
+    """The values of an option that may be repeated, or the one."""
+    yield from value if isinstance(value, list | tuple) else [value]
 
 
 def _as_line(program: Program, error: Any) -> Exception:

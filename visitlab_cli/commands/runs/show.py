@@ -1,6 +1,5 @@
 """`visitlab runs show`: what a run reached, a line for each experiment, agent and human."""
 
-import math
 import time
 from typing import TYPE_CHECKING, Annotated
 
@@ -53,7 +52,7 @@ def command(
     from visitlab_cli.storage.made_by import made_by, mixed
     from visitlab_cli.storage.run_folder import edited, find_run, read_config
 
-    if not 0 < level <= 1 or math.isnan(level):
+    if not level:
         raise UsageError(f"--level {level}: must be above 0, at most 1")
     folder = find_run(run, out)
     config = read_config(folder)
