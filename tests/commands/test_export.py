@@ -59,6 +59,8 @@ def test_trainings_too(tiny_run, tmp_path, task):
     ("arguments", "code", "message"),
     [
         ([], 2, "choose one format: --csv, --parquet, --foxglove, --minari or --ros2bag"),
+        (["--foxglove", "--table", "steps"], 2, "--table: goes with --csv and --parquet only"),
+        (["--foxglove", "--cell-size", "2"], 2, "--cell-size: goes with --ros2bag only"),
         (["--foxglove", "--trial", "99"], 5, "trial 99 is not recorded; the log holds 0 to 3"),
         (["--foxglove", "-o", "mine.mcap"], 2, "mine.mcap: exists; choose another file with -o"),
     ],

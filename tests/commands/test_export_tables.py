@@ -126,3 +126,11 @@ def test_a_column_has_its_type_even_where_all_of_it_is_missing(tmp_path):
     kinds = {column.name: str(column.type) for column in parquet.read_schema(tmp_path / "results-1.parquet")}
     assert (kinds["low"], kinds["high"], kinds["seconds_a_cell"]) == ("double", "double", "double")
     assert (kinds["human"], kinds["n"]) == ("string", "int64")
+
+
+@pytest.mark.parametrize("kind", ["--csv", "--parquet"])
+def test_a_log_has_no_table(tiny_run, kind):
+    log = tiny_run / "visit/fast/seed-0000/steps.mcap"
+    done = visitlab("export", log, kind)
+    message = f"{log}: is one log, and tables are of runs; choose another format, or a run\n"
+    assert (done.returncode, done.stderr) == (2, message)

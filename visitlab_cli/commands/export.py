@@ -1,6 +1,5 @@
 """`visitlab export`: recorded trials in the format of another program, or a run's tables."""
 
-import math
 from pathlib import Path
 from typing import Annotated
 
@@ -32,13 +31,14 @@ def command(
     ] = False,
     ros2bag: Annotated[bool, typer.Option("--ros2bag", help="A ROS 2 bag (MCAP) of poses, map and markers.")] = False,
     table: Annotated[
-        str,
+        str | None,
         typer.Option(
             metavar="CONTENT",
             help="What is in the table: trials, steps, models or results.",
             autocompletion=completion.words("trials", "steps", "models", "results"),
+            show_default="trials",
         ),
-    ] = "trials",
+    ] = None,
     experiment: Experiment = "",
     human: Human = "",
     agent: Agent = "",
@@ -63,7 +63,14 @@ def command(
     ] = None,
     cell_size: Annotated[
         float | None,
-        typer.Option("--cell-size", metavar="METRES", help="Of --ros2bag: a cell's side; 1.", show_default=False),
+        typer.Option(
+            "--cell-size",
+            metavar="METRES",
+            min=0.001,
+            max=1000,
+            help="Of --ros2bag: a cell's side; 1.",
+            show_default=False,
+        ),
     ] = None,
     out: Out = RUNS,
     as_json: Json = False,
@@ -76,8 +83,10 @@ def command(
 
     if foxglove + csv + parquet + minari + ros2bag != 1:
         raise UsageError("choose one format: --csv, --parquet, --foxglove, --minari or --ros2bag")
-    if cell_size is not None and not (ros2bag and 0 < cell_size < math.inf):
-        raise UsageError(f"--cell-size {cell_size:g}: a length in metres above 0, of --ros2bag only")
+    if cell_size is not None and not ros2bag:
+        raise UsageError("--cell-size: goes with --ros2bag only")
+    if table is not None and not (csv or parquet):
+        raise UsageError("--table: goes with --csv and --parquet only")
     selection, words = Selection(experiment, human, agent, seed, tuple(at or ())), trial or []
     if csv or parquet:
         from visitlab_cli.console.tables import tell_table
@@ -86,7 +95,7 @@ def command(
             raise UsageError(
                 "--trial: a table holds all trials; choose cells by --experiment, --human, --agent, --seed, --at"
             )
-        tell_table(run, out, selection, table, output, "csv" if csv else "parquet", as_json)
+        tell_table(run, out, selection, "trials" if table is None else table, output, "csv" if csv else "parquet", as_json)
         return
     logs = find_logs(run, out, selection)
     if foxglove:

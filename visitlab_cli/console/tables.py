@@ -15,7 +15,7 @@ def tell_table(
     """Write the table and say where it is.
 
     Raises:
-        UsageError: there is no such content, or the file's name does not end in the kind.
+        UsageError: there is no such content, `run` is a log, or the file's name does not end in the kind.
         NotFoundError: no finished cell matches.
     """
     from visitlab_cli.errors import NotFoundError, UsageError
@@ -23,10 +23,12 @@ def tell_table(
     from visitlab_cli.results.export import CONTENTS, export_table
     from visitlab_cli.storage.cell_folder import read_cell
     from visitlab_cli.storage.run_folder import find_run, read_config
-    from visitlab_cli.wording import or_else
+    from visitlab_cli.wording import or_else, printable
 
     if content not in CONTENTS:
         raise UsageError(f"--table {content}: no such table{or_else(content, CONTENTS)}")
+    if Path(run).suffix == ".mcap":
+        raise UsageError(f"{printable(run)}: is one log, and tables are of runs; choose another format, or a run")
     folder = find_run(run, out)
     file = output or Path(f"{folder.resolve().name}-{content}.{kind}")
     if file.suffix != f".{kind}":
