@@ -2,6 +2,7 @@
 
 import contextlib
 import os
+import tempfile
 from types import SimpleNamespace
 
 import numpy as np
@@ -18,11 +19,15 @@ needs_driver = pytest.mark.skipif(
 
 
 @needs_driver
-def test_the_picture_shows_the_step(trial_of, tmp_path):
+def test_the_picture_shows_the_step(trial_of, tmp_path, monkeypatch):
     trial = trial_of("visit", 0)
     step = next(step for step in range(5, trial.length) if goal_is_in_sight(trial, step))
     target = tmp_path / "picture.png"
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "temporary"))
+    monkeypatch.setenv("TMPDIR", str(tmp_path / "temporary"))
+    (tmp_path / "temporary").mkdir()
     picture.save_picture(trial, step, target)
+    (tmp_path / "temporary").rmdir()  # which fails where something was left
     assert_shows(target, trial.steps, step)
     moved = {**trial.steps, "robot_row": (trial.steps["robot_row"] + 4) % 24}
     with pytest.raises(AssertionError, match="the robot is not in its cell"):

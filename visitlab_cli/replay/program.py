@@ -7,6 +7,7 @@ import signal
 import socket
 import subprocess
 import sys
+import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 from types import FrameType
@@ -45,7 +46,7 @@ def free_port() -> int:
 def started(
     *arguments: str, environment: dict[str, str] | None = None, without: tuple[str, ...] = ()
 ) -> Iterator[subprocess.Popen[bytes]]:
-    """Rerun's program, silent, reachable from this machine only; it ends with the block.
+    """Rerun's program, silent, reachable from this machine only; it ends with the block, and so does what it leaves.
 
     Args:
         arguments: its options.
@@ -56,18 +57,19 @@ def started(
     for number in ending_signals():
         signal.signal(number, _stop)
     ours = {name: value for name, value in os.environ.items() if not name.startswith(without)}
-    surroundings = {**ours, "RERUN_APP_ONLY": "true", **(environment or {})}
-    with subprocess.Popen(
-        command, env=surroundings, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-    ) as process:
-        try:
-            yield process
-        finally:
-            process.terminate()
+    with tempfile.TemporaryDirectory(prefix="visitlab-", ignore_cleanup_errors=True) as folder:
+        surroundings = {**ours, "TMPDIR": folder, "RERUN_APP_ONLY": "true", **(environment or {})}
+        with subprocess.Popen(
+            command, env=surroundings, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+        ) as process:
             try:
-                process.wait(ENDS_WITHIN)
-            except subprocess.TimeoutExpired:
-                process.kill()
+                yield process
+            finally:
+                process.terminate()
+                try:
+                    process.wait(ENDS_WITHIN)
+                except subprocess.TimeoutExpired:
+                    process.kill()
 
 
 def _stop(number: int, frame: FrameType | None) -> None:
