@@ -83,13 +83,13 @@ def test_list_of_nothing(tmp_path):
 
 
 def test_show(lab):
-    code, out, _ = tell("runs", "show", "lab", "--out", lab.parent)
+    code, out, err = tell("runs", "show", "lab", "--out", lab.parent)
     assert code == 0
     assert out.startswith(f"{lab}: incomplete, 4 of 18 cells, 3 seeds, ")
     table = {tuple(line[:3]): line[3:] for line in rows(out) if len(line) == 9}
     assert table["navigation", "mb", "-"] == ["reward a trial", "1.50 ± 6.35", "1.50", "2", "-", "2.0"]
     assert table["visit", "mb", "fast"] == ["goals a trial", "-", "-", "0", "-", "-"]
-    assert out.endswith(f"Finish with visitlab run {lab}/config.yaml --out {lab.parent}\n")
+    assert err.startswith(f"{lab}: 14 of 18 cells not read: 14 not run yet (navigation/mb/seed-0002 and 13 more); ")
     told = json_of("runs", "show", lab, "--level", 0.6)
     assert (told["results"][0]["level"], told["results"][0]["steps_to_level"]) == (pytest.approx(0.9), 20)
     assert told["results"][0]["mean"] == 1.5

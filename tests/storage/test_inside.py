@@ -49,6 +49,7 @@ COMMANDS = {
     "visit": [("run", TINY), ("runs", "verify")],
     "evaluations": [("eval", "--human", "fast", "--trials", 1), ("runs", "verify")],
     "figures": [("figures",)],
+    "figures/fig6.svg": [("figures", "--only", "fig6")],
     "report.html": [("report",)],
 }
 
@@ -58,10 +59,13 @@ def test_no_command_follows_a_link_out_of_a_run(tiny_run, tmp_path, place):
     run, outside = tmp_path / "runs" / tiny_run.name, tmp_path / "outside"
     shutil.copytree(tiny_run, run)
     outside.mkdir()
+    (run / place).parent.mkdir(exist_ok=True)
     if (run / place).is_dir():
         shutil.move(run / place, outside / "moved")
     elif place == "report.html":
         shutil.copy(_report(run), outside / "moved")
+    elif place.endswith(".svg"):
+        (outside / "moved").touch()
     else:
         (outside / "moved").mkdir()
     (run / place).unlink(missing_ok=True)

@@ -9,6 +9,7 @@ import typer
 from visitlab_cli.console import completion
 from visitlab_cli.console.help import Help
 from visitlab_cli.console.options import RUNS, At, Json, Out, Run
+from visitlab_cli.console.unread import tell_unread
 from visitlab_cli.terminal import tell, tell_json, tell_text
 
 if TYPE_CHECKING:
@@ -96,6 +97,7 @@ def command(
     from visitlab_cli.plan.cells import plan
     from visitlab_cli.plan.selection import Selection
     from visitlab_cli.storage.run_folder import find_run, read_config
+    from visitlab_cli.world.columns import ENGAGEMENT
 
     if picture is not None:
         check_ours(picture)
@@ -109,7 +111,9 @@ def command(
         _tell_models(folder, replace(selection, seed=seed or 0), picture, as_json=as_json)
         return
     cells = plan(read_config(folder))
-    found = affordances(folder, cells, replace(selection, seed=seed or 0))
+    of_seed = replace(selection, seed=seed or 0)
+    found = affordances(folder, cells, of_seed)
+    tell_unread(folder, [cell for cell in cells if of_seed.matches(cell) and cell.settings.plays.has(ENGAGEMENT)])
     if picture is not None:
         from visitlab_cli.affordances.picture import save_affordances
 
@@ -141,7 +145,10 @@ def _tell_models(folder: Path, selection: "Selection", picture: Path | None, *, 
     from visitlab_cli.plan.cells import plan
     from visitlab_cli.storage.run_folder import read_config
 
-    found = several_models(folder, plan(read_config(folder)), selection)
+    cells = plan(read_config(folder))
+    found = several_models(folder, cells, selection)
+    of_it = [cell for cell in cells if cell.experiment == found.cell.experiment]
+    tell_unread(folder, [cell for cell in of_it if selection.matches(cell)])
     if picture is not None:
         from visitlab_cli.affordances.several_picture import save_several
 
@@ -176,6 +183,8 @@ def _tell_intents(
     trials = trials or TRIALS
     cells = plan(read_config(folder))
     found = restricted(folder, cells, selection, sorted(set(thresholds or THRESHOLDS)), trials)
+    groups = {each.group for each in found}
+    tell_unread(folder, [cell for cell in cells if cell.group in groups and selection.matches(cell)])
     if picture is not None:
         save_intents(found, picture)
         tell_json({"run": str(folder), "file": str(picture)}, None) if as_json else tell(str(picture))

@@ -12,6 +12,7 @@ import typer
 from visitlab_cli.console import completion
 from visitlab_cli.console.help import Help
 from visitlab_cli.console.options import FIRST_TRIALS, RUNS, First, Json, Out, Run
+from visitlab_cli.console.unread import tell_unread
 from visitlab_cli.console.words import aligned
 from visitlab_cli.terminal import tell, tell_json, tell_text
 
@@ -74,7 +75,6 @@ def command(
     """
     from visitlab_cli.console.phases import PHASE
     from visitlab_cli.errors import NotFoundError, UsageError
-    from visitlab_cli.execution.runner import missing_cells
     from visitlab_cli.paper.judging.comparison import compare
     from visitlab_cli.paper.judging.variants import open_variant, variants_beside
     from visitlab_cli.plan.cells import plan
@@ -126,9 +126,7 @@ def command(
         tell_text(_text(compared, margin))
     if told := mixed(made_by(folder, (cell.path for cell in cells))):
         tell(f"{folder}: {told}", err=True)
-    if missing := missing_cells(folder, cells):
-        told = f"{len(missing)} of {len(cells)} cells are not done, or damaged; they don't count"
-        tell(f"{folder}: {told}", err=True)
+    tell_unread(folder, cells)
 
 
 def _json(compared: "Compared") -> dict[str, object]:

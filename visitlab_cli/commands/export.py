@@ -8,6 +8,7 @@ import typer
 from visitlab_cli.console import completion
 from visitlab_cli.console.help import Help
 from visitlab_cli.console.options import RUNS, Agent, At, Experiment, Human, Json, Out, RunOrFile, Seed
+from visitlab_cli.console.unread import tell_unread
 
 HELP = Help(
     "Look",
@@ -95,9 +96,11 @@ def command(
             raise UsageError(
                 "--trial: a table holds all trials; choose cells by --experiment, --human, --agent, --seed, --at"
             )
-        tell_table(run, out, selection, "trials" if table is None else table, output, "csv" if csv else "parquet", as_json)
+        content = "trials" if table is None else table
+        tell_table(run, out, selection, content, output, "csv" if csv else "parquet", as_json)
         return
     logs = find_logs(run, out, selection)
+    tell_unread(logs.run, logs.cells)
     if foxglove:
         exports.tell_foxglove(logs, words, output, as_json)
     elif minari:

@@ -7,6 +7,7 @@ import typer
 from visitlab_cli.console import completion
 from visitlab_cli.console.help import Help
 from visitlab_cli.console.options import RUNS, Json, Out, Run
+from visitlab_cli.console.unread import tell_unread
 from visitlab_cli.terminal import tell, tell_json
 
 FIGURES = ("fig6", "fig7", "fig8", "fig9", "curves", "doors", "grid", "meetings", "phases", "visits")
@@ -43,11 +44,13 @@ def command(
     Of the paper's figures a published curve is there only where all that decides it is as published. In RUN/figures/.
     """
     from visitlab_cli.figures.making import make_figures
+    from visitlab_cli.plan.cells import plan
     from visitlab_cli.replay.strip import strip
-    from visitlab_cli.storage.run_folder import find_run
+    from visitlab_cli.storage.run_folder import find_run, read_config
 
     folder = find_run(run, out)
     made = make_figures(folder, strip, only or (), kind)
+    tell_unread(folder, plan(read_config(folder)))
     for name, notes in made.notes.items():
         for note in notes:
             tell(f"{name}: {note}", err=True)

@@ -8,6 +8,7 @@ from visitlab_cli.console import completion
 from visitlab_cli.console.help import Help
 from visitlab_cli.console.metrics import metrics_table
 from visitlab_cli.console.options import FIRST_TRIALS, RUNS, Agent, At, First, Json, Out, Run, Seed
+from visitlab_cli.console.unread import tell_unread
 from visitlab_cli.terminal import tell_json, tell_text
 
 HELP = Help(
@@ -46,11 +47,13 @@ def command(
     from visitlab_cli.plan.selection import Selection
     from visitlab_cli.results.metrics import group_metrics
     from visitlab_cli.storage.run_folder import find_run, read_config
+    from visitlab_cli.world.columns import ENGAGEMENT
 
     folder = find_run(run, out)
     selection = Selection(experiment, human, agent, seed, tuple(at or ()), in_phases=True)
     cells = selection.of(folder, plan(read_config(folder)))
     found = group_metrics(folder, cells, first, human)
+    tell_unread(folder, [cell for cell in cells if cell.settings.plays.has(ENGAGEMENT)])
     if as_json:
         rows = [row for each in found for row in each.as_rows()]
         tell_json({"run": str(folder), "confidence": 0.95, "metrics": rows})

@@ -19,6 +19,7 @@ from visitlab_cli.console.options import (
     Seed,
     TrialWord,
 )
+from visitlab_cli.console.unread import tell_unread
 from visitlab_cli.terminal import tell, tell_json
 
 HELP = Help(
@@ -65,6 +66,7 @@ def command(
     if target := save or png or strip:
         check_ours(target)
     logs = find_logs(run, out, Selection(experiment, human, agent, seed, tuple(at or ())))
+    tell_unread(logs.run, logs.cells)
     picked = choose_trial(logs, trial, phase)
     chosen = load_trial(picked.log.path, picked.trial)
     if save is None and not web and png is None and strip is None:

@@ -17,6 +17,7 @@ from visitlab_cli.console.options import (
     Seed,
     TrialWord,
 )
+from visitlab_cli.console.unread import tell_unread
 from visitlab_cli.console.words import aligned
 from visitlab_cli.terminal import plain as in_line
 from visitlab_cli.terminal import tell, tell_json, tell_text
@@ -57,6 +58,7 @@ def command(
     from visitlab_cli.world.sight import Walls
 
     logs = find_logs(run, out, Selection(experiment, human, agent, seed, tuple(at or ())))
+    tell_unread(logs.run, logs.cells)
     chosen = choose_trial(logs, trial, phase)
     log, number = chosen.log, chosen.trial
     if chosen.note:

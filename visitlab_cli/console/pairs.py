@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from visitlab_cli.console.unread import tell_unread
 from visitlab_cli.console.words import aligned
 from visitlab_cli.terminal import plain, tell_json, tell_text
 
@@ -23,6 +24,7 @@ def tell_by(folder: Path, key: str, phase: int | None, as_json: bool) -> None:
 
     cells = plan(read_config(folder))
     compared = compare_by(folder, cells, key, phase)
+    tell_unread(folder, cells)
     notes = ["By experiment some modules that are the same are enough to be paired."] if key == EXPERIMENT else []
     notes += _left_out(f"nothing differs from it in {key} alone", compared.alone)
     notes += _by_different_code({folder: cells})
@@ -58,6 +60,8 @@ def tell_runs(first: Path, second: Path, as_json: bool) -> None:
     configs = [read_config(run) for run in (first, second)]
     ours, theirs = [(run, plan(config)) for run, config in zip((first, second), configs, strict=True)]
     compared = compare_runs(ours, theirs)
+    for run, cells in dict([ours, theirs]).items():
+        tell_unread(run, cells)
     changes = differences(hashed(configs[0]), hashed(configs[1]))
     told = {"first": str(first), "second": str(second), "config": [each.as_json("first", "second") for each in changes]}
     notes = _left_out("the other run has none of that name", compared.alone)

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from visitlab_cli.console.unread import tell_unread
 from visitlab_cli.console.words import aligned
 from visitlab_cli.terminal import tell_json, tell_text
 
@@ -24,6 +25,7 @@ def tell_phases(folder: Path, first: int, as_json: bool) -> None:
     cells = plan(read_config(folder))
     found = phase_results(folder, cells, first)
     check_any(folder, cells, found)
+    tell_unread(folder, cells)
     if as_json:
         told = {"run": str(folder), "by": PHASE, "first": first, "confidence": 0.95}
         tell_json({**told, "phases": [each.as_json() for each in found]})

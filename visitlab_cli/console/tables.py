@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from visitlab_cli.console.unread import tell_unread
 from visitlab_cli.terminal import tell, tell_json
 
 if TYPE_CHECKING:
@@ -38,5 +39,6 @@ def tell_table(
     if not cells:
         raise NotFoundError(f"{folder}: no finished cell {f'with {selection}' if str(selection) else 'at all'}")
     rows = export_table(folder, cells, content, file)
+    tell_unread(folder, chosen)
     told = {"run": str(folder), "table": content, "cells": len(cells), "rows": rows, "file": str(file)}
     tell_json(told, None) if as_json else tell(f"{file}: {rows:,} rows, {content} of {len(cells)} cells")

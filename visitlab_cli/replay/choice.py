@@ -92,10 +92,15 @@ class Log(NamedTuple):
 
 @dataclass(frozen=True)
 class Logs:
-    """The logs that a user's words fit, at least one: `first` of the same experiment, then `others`."""
+    """The logs that a user's words fit, at least one: `first` of the same experiment, then `others`.
+
+    In a `run` these are of the `cells` that are done.
+    """
 
     first: tuple[Log, ...]
     others: tuple[Log, ...] = ()
+    run: Path = Path()
+    cells: tuple[Cell, ...] = ()
 
 
 class Chosen(NamedTuple):
@@ -127,7 +132,8 @@ def find_logs(word: str, out: Path, selection: Selection) -> Logs:
             raise NotFoundError(f"{printable(word)}: no such file")
         return Logs((Log(file, str(file)),))
     run = find_run(word, out)
-    done = _done(run, _wanted(run, selection))
+    wanted = _wanted(run, selection)
+    done = _done(run, wanted)
     found = [(cell, Log(run / cell.path / STEPS, cell.path, cell.config.record.one_trial_in)) for cell in done]
     recorded = [(cell, log) for cell, log in found if log.path.is_file()]
     if not recorded:
@@ -136,7 +142,8 @@ def find_logs(word: str, out: Path, selection: Selection) -> Logs:
         )
     experiment = recorded[0][0].experiment
     first = [log for cell, log in recorded if cell.experiment == experiment]
-    return Logs(tuple(first), tuple(log for cell, log in recorded if cell.experiment != experiment))
+    others = tuple(log for cell, log in recorded if cell.experiment != experiment)
+    return Logs(tuple(first), others, run, tuple(wanted))
 
 
 def _wanted(run: Path, selection: Selection) -> list[Cell]:

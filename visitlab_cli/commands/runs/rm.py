@@ -28,14 +28,18 @@ def command(
 ) -> None:
     """Remove a run and all that it holds; asks first. Refused where it holds files that are not visitlab's."""
     from visitlab_cli.errors import UsageError
-    from visitlab_cli.storage.on_disk import bytes_below, cell_folders
+    from visitlab_cli.storage.on_disk import EVALUATIONS, bytes_below, cell_folders
     from visitlab_cli.storage.removal import check_removable, remove_run
     from visitlab_cli.storage.run_folder import find_run
 
     folder = find_run(run, out)
     check_removable(folder)
     size = bytes_below(folder)
-    holds = f"{len(cell_folders(folder))} cells, {size_in_words(size)}"
+    cells = cell_folders(folder)
+    played = sum(cell.is_relative_to(folder / EVALUATIONS) for cell in cells)
+    own = len(cells) - played
+    evaluated = f" and {played:,} of evaluations" if played else ""
+    holds = f"{own:,} cell{'' if own == 1 else 's'}{evaluated}, {size_in_words(size)}"
     if not yes:
         tell(f"Remove {folder} ({holds})? [y/N]: ", end="", err=True)  # typer.confirm writes to stdout, too
         answer = sys.stdin.readline()

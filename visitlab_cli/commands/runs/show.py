@@ -9,7 +9,8 @@ from visitlab_cli.console.help import Help
 from visitlab_cli.console.metrics import metrics_table
 from visitlab_cli.console.options import FIRST_TRIALS, RUNS, First, Json, Out, Run
 from visitlab_cli.console.phases import table_and_notes
-from visitlab_cli.console.words import age_in_words, aligned, number, run_again, size_in_words
+from visitlab_cli.console.unread import tell_unread
+from visitlab_cli.console.words import age_in_words, aligned, number, size_in_words
 from visitlab_cli.terminal import plain, tell, tell_json, tell_text
 
 if TYPE_CHECKING:
@@ -65,6 +66,7 @@ def command(
     played = [cell for those in evaluated(folder, config).values() for cell in those]
     lines, phases = summaries(folder, [*cells, *played], level), phase_results(folder, cells, first)
     interactions = recorded_metrics(folder, [*cells, *played], first) if metrics else []
+    tell_unread(folder, [*cells, *played])
     if as_json:
         whole = {"run": str(folder), **line.as_json(), "level": level, "results": [each.as_json() for each in lines]}
         whole |= {"first": first, "phases": [each.as_json() for each in phases]} if phases else {}
@@ -91,8 +93,6 @@ def _text(line: "RunLine", lines: "list[Summary]", level: float) -> str:
     ]
     if any(each.units.shared for each in lines):
         notes.append(SHARED)
-    if line.done != line.cells:
-        notes.append(f"Finish with {run_again(line.run)}")
     return "\n".join([f"{plain(head)}, {size_in_words(line.size)}, {age} old", "", _table(lines, level), *notes])
 
 
