@@ -221,7 +221,7 @@ def test_rm_without_asking_and_what_it_refuses(run, tmp_path):
         shutil.copy(run / "config.yaml", project / name)
     assert tell("runs", "rm", project, "--yes")[0] == 5
     assert len(list(project.iterdir())) == 3
-    assert tell("runs", "rm", "", "--yes", "--out", run.parent)[0] == 5
+    assert tell("runs", "rm", "", "--yes", "--out", run.parent)[0] == 2
     assert tell("runs", "rm", "nothing", "--yes", "--out", run.parent)[0] == 5
     told = json_of("runs", "rm", "latest", "--yes", "--out", run.parent)
     assert (told["removed"], told["run"], run.exists()) == (True, str(run), False)
