@@ -1,6 +1,7 @@
 """`init`: what it writes is valid as it stands, is not overwritten by accident, and has what it includes."""
 
 import json
+import os
 
 import pytest
 
@@ -52,3 +53,13 @@ def test_a_wrong_name_and_a_folder_that_cannot_be(tmp_path):
     done = visitlab("init", "--folder", tmp_path / "file")
     assert done.returncode == 4
     assert done.stderr.startswith(f"{tmp_path / 'file'}: can't be written: ")
+
+
+@pytest.mark.parametrize("force", [(), ("--force",)])
+@pytest.mark.parametrize("make", [os.mkfifo, os.mkdir])
+def test_what_is_no_file_is_neither_waited_for_nor_written(tmp_path, make, force):
+    make(tmp_path / "schema.json")
+    done = visitlab("init", *force, cwd=tmp_path)
+    assert (done.returncode, done.stderr.count("\n")) == (4, 1)
+    assert done.stderr.startswith("schema.json: is no file")
+    assert [file.name for file in tmp_path.iterdir()] == ["schema.json"]

@@ -78,6 +78,8 @@ def _write(folder: Path, files: dict[Path, str], force: bool) -> list[Path]:
     try:
         for name, text in files.items():
             target = folder / name
+            if target.exists() and not target.is_file():
+                raise RunError(f"{target}: is no file, so nothing is written to it; --folder writes elsewhere")
             if not force and target.exists() and target.read_bytes() != text.encode():
                 raise RunError(
                     f"{target}: is there already, with another content; --force overwrites it, "
