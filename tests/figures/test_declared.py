@@ -14,6 +14,7 @@ from visitlab_cli.figures import making
 from visitlab_cli.figures.curves_figure import draw_curves, panels_of
 from visitlab_cli.figures.making import DRAW, make_figures
 from visitlab_cli.figures.meetings_figure import draw_meetings
+from visitlab_cli.figures.phases_figure import draw_phases
 from visitlab_cli.paper.figures.source import open_source
 from visitlab_cli.pictures.style import STYLE, styled
 from visitlab_cli.plan.cells import plan
@@ -119,6 +120,52 @@ def test_visits_are_drawn_where_they_are_more_and_share_their_axis(tmp_path):
     assert (slow.get_ylabel().split("\n")[0], fast.get_ylabel()) == ("goal rooms in a trial of 10 steps", "")
 
 
+MORE_TRAININGS = """
+  more:
+    task: visit
+    modules: {navigation: navigation/mf, go_to_human: go_to_human/mb, social: social/mb/slow}
+    humans: [fast]
+    trials: 20
+    trial_steps: 10
+  social_of_all: {task: social, agents: [mb, mf], humans: [slow, fast], steps: 400}
+"""
+
+
+def test_visits_without_phases_are_drawn_whatever_else_there_is_and_what_is_left_out_is_said(tmp_path):
+    """Five curves of trainings, two of visits with `fast`; `slow` is visited once, `friends` has phases."""
+    figure = "figure: {question: 'Who?', draws: curves, costs: true, names: {fast: the fast one}}\n"
+    run = written(tmp_path, lambda cell: [4.0 + 4 * cell.settings.assembled], more=PHASES + MORE_TRAININGS + figure)
+    drawing = draw_curves(open_source(run))
+    panels = {axes.get_title(loc="left"): [*lines(axes)] for axes in drawing.figure.axes if axes.lines}
+    assert panels == {
+        "navigation": ["navigation/mb", "navigation/mf"],
+        "social_of_all, slow": ["social_of_all/mb/slow", "social_of_all/mf/slow"],
+        "social_of_all, the fast one": ["social_of_all/mb/fast", "social_of_all/mf/fast"],
+        "visits, the fast one": ["visit/fast", "more/fast"],
+    }
+    (key,) = drawing.figure.legends
+    assert {text.get_text() for text in key.get_texts()} == {"mb", "mf", "visit", "more"}
+    assert drawing.notes == [
+        "without visit/slow (the only visit of its human), "
+        "friends (with phases, which the figures phases and meetings draw)",
+        "without costs, which are of trainings alone",
+    ]
+
+
+@pytest.mark.parametrize("draw", [draw_curves, draw_phases], ids=["curves", "phases"])
+def test_no_shade_is_cut_off_and_panels_of_one_measure_have_one_axis(draw, tmp_path):
+    """Of three seeds one reaches nothing: intervals end far above each mean."""
+    other = OTHER + PHASES + PHASES.replace("friends", "strangers")
+    high = {"visit": 1.0, "friends": 4.0}
+    run = written(tmp_path, lambda cell: [high.get(cell.experiment, 8.0) * (cell.seed > 0)], more=other)
+    panels = [axes for axes in draw(open_source(run)).figure.axes if axes.lines]
+    assert len(panels) == 2
+    assert len({axes.get_ylim() for axes in panels}) == 1
+    highest = max(shade.get_paths()[0].vertices[:, 1].max() for axes in panels for shade in axes.collections)
+    assert highest == pytest.approx(8 * (2 / 3 + T_OF_TWO / 3))
+    assert highest < panels[0].get_ylim()[1] < 1.2 * highest
+
+
 def test_costs_stand_beside_the_curves(tmp_path):
     figure = "figure: {question: 'Who?', draws: curves, costs: true, names: {mf: without a model}}\n"
     run = written(tmp_path, lambda cell: [1.0], more=figure)
@@ -161,7 +208,10 @@ def test_the_declared_figure_alone_is_drawn_below_its_question(tmp_path, capsys)
     (run / "config.yaml").write_text(words.replace("{mb: the model}", "{mbb: the model}"))
     done = visitlab("figures", run)
     assert (done.returncode, done.stdout) == (0, f"{run}/figures/curves.svg\n")
-    assert done.stderr == "curves: figure: no experiment, agent or human is called mbb\n"
+    assert done.stderr.splitlines() == [
+        "curves: without visit/slow, visit/fast (the only visit of its human)",
+        "curves: figure: no experiment, agent or human is called mbb",
+    ]
     assert make_figures(run, None, ["fig6"], "png").files[0].name == "fig6.png"
     source = open_source(run)
     drawing = draw_curves(source).figure

@@ -34,8 +34,9 @@ class FigureSettings(Settings):
 
     question: Annotated[str, AfterValidator(_question)] = Field(description="what the run is to answer: its title")
     draws: Literal["curves", "doors", "grid", "meetings", "phases", "visits"] = Field(
-        description="which figure answers it: curves over trials or steps, how navigation recovers when doors close, "
-        "a grid's levels, first meetings and returns in phases, curves of phases, or bars of visits"
+        description="which figure answers it: curves of visits without phases over trials, and of trainings over steps "
+        "where of these there are more; how navigation recovers when doors close; a grid's levels; first meetings and "
+        "returns in phases; curves of phases; or bars of visits without phases"
     )
     names: dict[Name, Words] = Field(
         default={}, description="what experiments, agents and humans are called in it, by their names"

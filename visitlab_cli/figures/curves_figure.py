@@ -10,14 +10,16 @@ from visitlab_cli.figures.bars import KEY_SIZE, draw_note
 from visitlab_cli.paper.figures.learning import measure_of, x_of
 from visitlab_cli.paper.figures.source import Group, Source
 from visitlab_cli.pictures.drawing import Drawing
+from visitlab_cli.pictures.height import top_of
 from visitlab_cli.pictures.style import PAGE, SMALL
 from visitlab_cli.pictures.words import width_of
 from visitlab_cli.plan.cells import Cell
 from visitlab_cli.results.costs import microseconds, updates
-from visitlab_cli.results.curves import Integers, curve_of, equal_edges
+from visitlab_cli.results.curves import Curve, Integers, curve_of, equal_edges
 from visitlab_cli.results.estimates import Estimate, mean_of
 from visitlab_cli.results.groups import unit_values
 from visitlab_cli.results.units import mean_over
+from visitlab_cli.wording import few
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -25,6 +27,8 @@ if TYPE_CHECKING:
 
 COLUMNS, PANEL_HEIGHT, KEY_LINE, NOTE_HEIGHT = 3, 2.3, 0.16, 0.35  # inches
 BATCHES, VISIT_BATCHES, MARKERS = 50, 25, 8
+MOST_NAMED = 6
+"""Of what is left out for one reason."""
 TOP = 1.08
 """How far a panel reaches above the highest mean."""
 COSTS: Mapping[str, tuple[Callable[[Path, Cell], float | None], str]] = {
@@ -42,9 +46,14 @@ Lines = Mapping[str, Group]
 
 
 def draw_curves(source: Source) -> Drawing:
-    """A panel for each human with a curve for each visit, or for each agent of a training: what there are more of."""
-    panels = max((panels_of(source, visits=visits) for visits in (True, False)), key=_size)
-    return Drawing(_figure(source, panels) if panels else None)
+    """A panel for each human with a curve for each visit; before them trainings' with one for each agent, if more."""
+    visits, trainings = (panels_of(source, visits=visits) for visits in (True, False))
+    panels = trainings | visits if _size(trainings) > _size(visits) else visits
+    if not panels:
+        return Drawing(None)
+    costs = (source.config.figure or NO_FIGURE).costs
+    without = ["without costs, which are of trainings alone"] if visits and costs else []
+    return Drawing(_figure(source, panels), [*_left_out(source, panels), *without])
 
 
 def panels_of(source: Source, *, visits: bool) -> dict[tuple[str, str], Lines]:
@@ -61,6 +70,24 @@ def panels_of(source: Source, *, visits: bool) -> dict[tuple[str, str], Lines]:
     return {place: lines for place, lines in panels.items() if len(lines) > 1}
 
 
+def _left_out(source: Source, panels: Mapping[tuple[str, str], Lines]) -> list[str]:
+    """A line on visits, and on all with phases or of a grid, of which nothing is drawn."""
+    drawn = {group.name for lines in panels.values() for group in lines.values()}
+    why: dict[str, dict[str, None]] = {}
+    for group in source.groups.values():
+        cell = group.cells[0]
+        if group.name in drawn:
+            continue
+        if cell.point:
+            why.setdefault("of a grid, which the figure grid draws", {})[cell.experiment] = None
+        elif cell.settings.phases:
+            why.setdefault("with phases, which the figures phases and meetings draw", {})[cell.experiment] = None
+        elif cell.settings.assembled:
+            why.setdefault("the only visit of its human", {})[group.name] = None
+    told = [f"{few(list(names), MOST_NAMED)} ({reason})" for reason, names in why.items()]
+    return [f"without {', '.join(told)}"] if told else []
+
+
 def _size(panels: Mapping[tuple[str, str], Lines]) -> int:
     return sum(map(len, panels.values()))
 
@@ -71,8 +98,7 @@ def _figure(source: Source, panels: Mapping[tuple[str, str], Lines]) -> "Figure"
     from matplotlib.lines import Line2D
 
     told = source.config.figure or NO_FIGURE
-    visits = "" in {experiment for experiment, _ in panels}
-    costs = {} if visits or not told.costs else COSTS
+    costs = COSTS if told.costs and "" not in {experiment for experiment, _ in panels} else {}
     names = list(dict.fromkeys(name for lines in panels.values() for name in lines))
     looks = looks_of([name for name in names if told.dashed.get(name) not in names])
     looks |= {name: looks[told.dashed[name]] for name in names if name not in looks}
@@ -87,13 +113,15 @@ def _figure(source: Source, panels: Mapping[tuple[str, str], Lines]) -> "Figure"
     ratios = [WIDE] * columns + [NARROW] * len(costs)
     places = [*figure.subplots(rows, len(ratios), squeeze=False, width_ratios=ratios).flat]
     alike = len({experiment for experiment, _ in panels}) == 1
-    tops = [_draw(axes, lines, looks, told.dashed) for axes, lines in zip(places, panels.values(), strict=False)]
-    for axes, (experiment, human), top in zip(places, panels, tops, strict=False):
-        axes.set_ylim(0, TOP * (max(tops) if alike else top) or 1.0)
+    curves: dict[str, list[Curve]] = {}
+    for axes, ((experiment, _), lines) in zip(places, panels.items(), strict=False):
+        curves.setdefault(experiment, []).extend(_draw(axes, lines, looks, told.dashed))
+    for axes, (experiment, human) in zip(places, panels, strict=False):
+        axes.set_ylim(0, top_of(curves[experiment], TOP))
         first = places[0].get_ylabel()
         if axes.get_subplotspec().colspan.start and axes.get_ylabel() == first:
             axes.set_ylabel("")
-        title = [] if alike and human else [told.words(experiment)]
+        title = [] if alike and human else [told.words(experiment) if experiment else "visits"]
         axes.set_title(", ".join([*title, *([told.words(human)] if human else [])]), loc="left")
     for axes, name in zip(places[len(panels) :], costs, strict=False):
         _draw_costs(axes, source.run, name, panels, looks)
@@ -129,9 +157,9 @@ def _style(name: str, looks: Mapping[str, Look], dashed: Mapping[str, str]) -> A
     return {"color": look.colour, "marker": look.marker, "markersize": 3.2, **lines}
 
 
-def _draw(axes: "Axes", lines: Lines, looks: Mapping[str, Look], dashed: Mapping[str, str]) -> float:
-    """Its curves; how high they reach."""
-    counted, top, end = [], 0.0, 0.0
+def _draw(axes: "Axes", lines: Lines, looks: Mapping[str, Look], dashed: Mapping[str, str]) -> list[Curve]:
+    """Its curves, which are given back."""
+    curves, end = [], 0.0
     for place, (name, group) in enumerate(lines.items()):
         curve = curve_of(group.run, group.cells, _edges(group))
         if curve.counted.n > 1:
@@ -140,16 +168,16 @@ def _draw(axes: "Axes", lines: Lines, looks: Mapping[str, Look], dashed: Mapping
         every = max(1, len(curve.x) // MARKERS)
         style = _style(name, looks, dashed)
         axes.plot(curve.x, curve.mean, gid=group.name, markevery=(place * every // len(lines), every), **style)
-        counted.append(curve.counted)
-        top, end = max(top, float(curve.mean.max())), max(end, float(curve.edges[-1] * curve.trial))
+        curves.append(curve)
+        end = max(end, float(curve.edges[-1] * curve.trial))
     cell = next(iter(lines.values())).cells[0]
     unit, x_label = x_of(cell, end)
     axes.set_xlabel(x_label)
-    axes.set_ylabel(f"{measure_of(cell)}\n({mean_over(counted)})")
+    axes.set_ylabel(f"{measure_of(cell)}\n({mean_over([curve.counted for curve in curves])})")
     axes.set_xlim(0, end)
     axes.xaxis.set_major_formatter(lambda x, _: f"{x / unit:g}")
     axes.grid(axis="y", color="0.92", linewidth=0.5)
-    return top
+    return curves
 
 
 def _columns(names: Sequence[str]) -> int:

@@ -10,6 +10,7 @@ from visitlab_cli.figures.grid import Axis, Level, Line, levels_of
 from visitlab_cli.paper.figures.learning import measure_of, x_of
 from visitlab_cli.paper.figures.source import Source
 from visitlab_cli.pictures.drawing import Drawing
+from visitlab_cli.pictures.height import top_of
 from visitlab_cli.pictures.style import BLUE, FONT_SIZE, GREEN, GREY, INK, ORANGE, PAGE, PURPLE, SMALL, VERMILION
 from visitlab_cli.pictures.words import in_lines
 from visitlab_cli.results.curves import curve_of, equal_edges
@@ -159,11 +160,11 @@ def _draw_curves(axes: "Axes", source: Source, level: Level, line: Line) -> None
 
     named = len(line.groups) <= MOST_NAMED_CURVES
     scale = _scale(level.axis)
-    end = top = 0.0
+    curves, end = [], 0.0
     for place, group in line.groups.items():
         cell = group.cells[0]
         curve = curve_of(source.run, group.cells, equal_edges(cell.trials, SMOOTH if named else SMOOTHER))
-        top = max(top, float(curve.mean.max()))
+        curves.append(curve)
         colour = colormaps[COLOURS](DARKEST * scale(level.axis.place[place]))
         if named and curve.counted.n > 1:
             axes.fill_between(curve.x, curve.mean - curve.half, curve.mean + curve.half, color=colour, alpha=0.2, lw=0)
@@ -178,7 +179,7 @@ def _draw_curves(axes: "Axes", source: Source, level: Level, line: Line) -> None
     axes.set_xlabel(x_label)
     axes.set_ylabel(f"{measure_of(cell)}\n({mean_over([*line.units.values()])})")
     axes.set_xlim(0, end)
-    axes.set_ylim(0, TOP * top or 1.0)
+    axes.set_ylim(0, top_of(curves, TOP))
     axes.xaxis.set_major_formatter(lambda x, _: f"{x / unit:g}")
     if named:
         axes.legend(title=level.axis.head, title_fontsize=SMALL, **KEY)

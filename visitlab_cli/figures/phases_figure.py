@@ -11,6 +11,7 @@ from visitlab_cli.config.phases import Phase
 from visitlab_cli.paper.figures.learning import measure_of, x_of
 from visitlab_cli.paper.figures.source import Source
 from visitlab_cli.pictures.drawing import Drawing
+from visitlab_cli.pictures.height import top_of
 from visitlab_cli.pictures.style import FONT_SIZE, GREY, INK, PAGE, SMALL
 from visitlab_cli.pictures.words import width_of
 from visitlab_cli.results.curves import Curve, Integers, curve_of
@@ -61,12 +62,18 @@ def _figure(source: Source, panels: Sequence[Sequence[Group]]) -> "Figure":
     layout = ConstrainedLayoutEngine(w_pad=0.06, h_pad=0.06)
     figure = Figure(figsize=(PAGE, len(panels) * PANEL_HEIGHT), layout=layout)
     figure.supxlabel(NOTE, fontsize=SMALL, color=GREY)
+    comparable: dict[str, dict[Axes, list[Curve]]] = {}
     for axes, groups in zip(figure.subplots(len(panels), squeeze=False).flat, panels, strict=True):
-        _draw(axes, source, groups)
+        comparable.setdefault(measure_of(groups[0].cells[0]), {})[axes] = _draw(axes, source, groups)
+    for alike in comparable.values():
+        top = top_of([curve for curves in alike.values() for curve in curves], TOP)
+        for axes in alike:
+            axes.set_ylim(0, top)
     return figure
 
 
-def _draw(axes: "Axes", source: Source, groups: Sequence[Group]) -> None:
+def _draw(axes: "Axes", source: Source, groups: Sequence[Group]) -> list[Curve]:
+    """Its curves, which are given back."""
     cell = groups[0].cells[0]
     curves = [curve_of(source.run, group.cells, edges_of(cell.settings)) for group in groups]
     looks = looks_of(source.config.agents)
@@ -91,11 +98,11 @@ def _draw(axes: "Axes", source: Source, groups: Sequence[Group]) -> None:
     axes.set_xlabel(x_label)
     axes.set_ylabel(f"{measure_of(cell)}\n({mean_over([curve.counted for curve in curves])})")
     axes.set_xlim(0, end)
-    axes.set_ylim(0, TOP * max(float(curve.mean.max()) for curve in curves) or 1.0)
     axes.xaxis.set_major_formatter(lambda x, _: f"{x / unit:g}")
     _draw_bands(axes, cell.settings, curves[0].trial)
     if len(groups) > 1:
         axes.legend(fontsize=SMALL, loc="center right", frameon=True, framealpha=0.8, edgecolor="none")
+    return curves
 
 
 def _parts(curve: Curve, settings: Experiment) -> list[slice]:

@@ -58,6 +58,11 @@ class Curve:
         return half_width(self.samples)
 
     @property
+    def highest(self) -> float:
+        """Where its interval reaches highest, or its mean where there is no interval."""
+        return float((self.mean + np.nan_to_num(self.half)).max())
+
+    @property
     def counted(self) -> Units:
         """How many units and cells."""
         return Units(len(self.units), sum(map(len, self.units.values())))

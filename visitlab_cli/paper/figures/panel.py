@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from visitlab_cli.paper.published.curves import PublishedCurve
+from visitlab_cli.pictures.height import top_of
 from visitlab_cli.pictures.style import FONT_SIZE, GREY, INK, SMALL
 from visitlab_cli.pictures.words import in_lines
 from visitlab_cli.results.curves import Curve
@@ -23,6 +24,8 @@ OUR_BAND, THEIR_BAND, THEIR_EDGE = 0.35, 0.06, 0.45
 """How opaque the bands are."""
 TITLE_PAD = 15.0  # points
 LINE_WIDTH = 3.0  # inches, of what is said below an axis
+TOP = 1.06
+"""How far a panel reaches above the highest mean and published band."""
 
 
 class Line(NamedTuple):
@@ -143,11 +146,10 @@ def _top(panel: Panel) -> float:
     """A little more than the highest thing that is drawn."""
     values = [reference.value for reference in panel.references]
     for line in panel.lines:
-        values.append(float(line.ours.mean.max()))
         if line.published is not None:
             shown = line.published.x <= panel.end
             values.append(float((line.published.mean + line.published.band)[shown].max(initial=0.0)))
-    return 1.06 * max(values) or 1.0
+    return max(TOP * max(values, default=0.0), top_of([line.ours for line in panel.lines], TOP))
 
 
 def draw_key(figure: "Figure", panels: Sequence[Panel]) -> None:
