@@ -13,7 +13,7 @@ from visitlab_cli.errors import NotFoundError
 from visitlab_cli.figures import making
 from visitlab_cli.figures.curves_figure import draw_curves, panels_of
 from visitlab_cli.figures.making import DRAW, make_figures
-from visitlab_cli.figures.meetings_figure import draw_meetings
+from visitlab_cli.figures.meetings_figure import NOTE, draw_meetings
 from visitlab_cli.figures.phases_figure import draw_phases
 from visitlab_cli.paper.figures.source import open_source
 from visitlab_cli.pictures.style import STYLE, styled
@@ -192,6 +192,23 @@ def test_meetings_are_with_who_is_new_and_who_comes_again(tmp_path):
     assert [[bar.get_width() for bar in axes.patches] for axes in figure.axes] == [[1.0], [2.0], [3.0], [4.0]]
     assert len({axes.get_xlim() for axes in figure.axes}) == 1
     assert [tick.get_text() for tick in figure.axes[0].get_yticklabels()] == ["friends"]
+    assert figure.get_supxlabel() == NOTE
+
+
+def test_how_many_of_the_new_humans_the_robot_was_trained_with_is_said(tmp_path):
+    """Nothing of `friends`, trained with `slow` alone; a pool knows `fast`, and so does a training that went on."""
+    trainings = """
+  others: {task: social, agents: [mb], humans: [fast], steps: 400}
+  on: {task: social, agents: [mb], humans: [slow], steps: 400, start_from: others/mb/fast}
+"""
+    modules = "social: social/mb/slow"
+    pool = PHASES.replace("friends", "pooled").replace(modules, "social: {pool: [social/mb/slow, others/mb/fast]}")
+    went_on = PHASES.replace("friends", "went_on").replace(modules, "social: on/mb/slow")
+    figure = "figure: {question: 'Who?', draws: meetings, names: {pooled: from a pool}}\n"
+    run = written(tmp_path, lambda cell: [1.0], more=PHASES + pool + went_on + trainings + figure)
+    assert draw_meetings(open_source(run)).figure.get_supxlabel() == (
+        f"{NOTE}\ntrained with 1 of the 1 new humans: from a pool; went_on"
+    )
 
 
 def test_no_meetings_without_somebody_who_comes_again(tmp_path):

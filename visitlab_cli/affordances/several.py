@@ -26,10 +26,10 @@ from visitlab_cli.plan.cells import Cell
 from visitlab_cli.plan.saved import model_of
 from visitlab_cli.plan.selection import Selection
 from visitlab_cli.results.own_models import counting_models, humans_there
+from visitlab_cli.results.trained import trained_with
 from visitlab_cli.storage.cell_folder import read_cell
 from visitlab_cli.world.columns import MODELS
 from visitlab_cli.world.geometry import CLOSEST_APPROPRIATE, FARTHEST_APPROPRIATE
-from visitlab_cli.world.tasks import SOCIAL
 
 ENOUGH = 10
 """Times that a model must have tried it, to be asked."""
@@ -149,9 +149,7 @@ def _of_model(cell: Cell, saved: Saved, number: int, model: Saved, truths: Mappi
 
 def _trained_with(cell: Cell) -> str:
     """The one human whom what the visit began with had met; '' where they are several."""
-    starts = [start for role, start in cell.settings.starts.items() if role.partition(" ")[0] == SOCIAL]
-    met = (cell.config.experiments[start.experiment].humans_met(start.human or "") for start in starts)
-    humans = {human for humans in met for human in humans}
+    humans = trained_with(cell)
     return humans.pop() if len(humans) == 1 else ""
 
 

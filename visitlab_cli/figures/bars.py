@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from visitlab_cli.colours import PALETTE
 from visitlab_cli.pictures.style import GREY, INK, PAGE, SMALL
+from visitlab_cli.pictures.words import height_of
 from visitlab_cli.results.estimates import Estimate
 from visitlab_cli.results.units import Units, mean_over
 
@@ -45,7 +46,7 @@ def draw_bars(
     Args:
         rows: what each row is called, by its name.
         panels: what is drawn.
-        note: said below.
+        note: said below, in lines.
         kinds: of what kind each row is, which its colour tells; a key says so where there are several.
         shared: whether all panels have the same axis.
     """
@@ -56,7 +57,8 @@ def draw_bars(
 
     several = list(dict.fromkeys(kinds[row] for row in rows))
     colours = {kind: PALETTE[place % len(PALETTE)].light for place, kind in enumerate(several)}
-    height = len(rows) * BAR + HEAD + FOOT + (KEY if len(several) > 1 else 0)
+    more = height_of(note, SMALL) - height_of("", SMALL)
+    height = len(rows) * BAR + HEAD + FOOT + more + (KEY if len(several) > 1 else 0)
     figure = Figure(figsize=(PAGE, height), layout=ConstrainedLayoutEngine(w_pad=0.05, h_pad=0.05, wspace=0.02))
     drawn = figure.subplots(1, len(panels), sharey=True, squeeze=False)[0]
     room = ROOM * PAGE / (PAGE - NUMBER * len(panels))

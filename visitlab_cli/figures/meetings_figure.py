@@ -5,6 +5,8 @@ from visitlab_cli.figures.bars import Bar, Panel, draw_bars
 from visitlab_cli.figures.visits_figure import controller_of
 from visitlab_cli.paper.figures.source import Group, Source
 from visitlab_cli.pictures.drawing import Drawing
+from visitlab_cli.pictures.style import PAGE, SMALL
+from visitlab_cli.pictures.words import in_lines
 from visitlab_cli.results.estimates import mean_of
 from visitlab_cli.results.phases import FIRST, meetings
 from visitlab_cli.results.units import Units, by_unit
@@ -15,6 +17,7 @@ PARTS = {
     "first_again": f"met again: first {FIRST}",
     "rest_again": "met again: the rest",
 }
+EDGE = 0.1  # inches
 NOTE = "the first phase does not count; lines: 95% interval of the mean (Student's t)"
 
 
@@ -24,11 +27,14 @@ def draw_meetings(source: Source) -> Drawing:
     visits = [group for group in several if group.cells[0].settings.assembled]
     parts: dict[str, dict[str, Bar]] = {title: {} for title in PARTS.values()}
     rows = {}
+    known: dict[str, list[str]] = {}
     for group in visits or several:
         units = Units(len(by_unit(group.cells)), len(group.cells))
         found = meetings(group.run, group.cells)
         if found is not None and found.met_again:
             rows[group.name] = group
+            if found.known:
+                known.setdefault(f"{found.known} of the {found.new} new humans", []).append(_called(source, group))
             for part, values in found._asdict().items():
                 if part in PARTS and len(values):
                     parts[PARTS[part]][group.name] = Bar(mean_of(values.tolist()), units)
@@ -38,7 +44,9 @@ def draw_meetings(source: Source) -> Drawing:
     panels = [Panel(title, measure, bars) for title, bars in parts.items() if bars]
     called = {name: _called(source, group) for name, group in rows.items()}
     kinds = {name: controller_of(group) for name, group in rows.items()}
-    return Drawing(draw_bars(called, panels, NOTE, kinds, shared=True))
+    lines = [NOTE, *(f"trained with {of_new}: {'; '.join(names)}" for of_new, names in known.items())]
+    note = "\n".join(in_lines(line, PAGE - 2 * EDGE, SMALL) for line in lines)
+    return Drawing(draw_bars(called, panels, note, kinds, shared=True))
 
 
 def _called(source: Source, group: Group) -> str:

@@ -12,6 +12,7 @@ from visitlab_cli.plan.cells import Cell
 from visitlab_cli.plan.saved import trials_of
 from visitlab_cli.results.estimates import Estimate, mean_of
 from visitlab_cli.results.groups import Group, groups_of
+from visitlab_cli.results.trained import trained_with
 from visitlab_cli.results.units import Units, by_unit
 from visitlab_cli.storage.cell_folder import read_cell
 
@@ -92,7 +93,8 @@ class Meetings(NamedTuple):
     """Reward a trial of each independent unit with humans who are new, and who come again: arrays of shape (units,).
 
     `first` is of a phase's first trials, `rest` of the others, each the mean over such phases; empty where there are
-    none. The first phase is neither, nor is one whose human stood there before.
+    none. The first phase is neither, nor is one whose human stood there before. Of the `new` humans so many are
+    `known`: the robot was trained with them.
     """
 
     first_new: Floats
@@ -100,6 +102,8 @@ class Meetings(NamedTuple):
     first_again: Floats
     rest_again: Floats
     met_again: bool
+    new: int
+    known: int
 
 
 def meetings(run: Path, cells: Sequence[Cell], first: int = FIRST) -> Meetings | None:
@@ -114,6 +118,7 @@ def meetings(run: Path, cells: Sequence[Cell], first: int = FIRST) -> Meetings |
     again = [place for place in places if humans[place] in humans[:place] and humans[place] != humans[place - 1]]
     if not any(humans):
         return None
+    known = trained_with(cells[0])
     by_phase, begin, rest = _by_phase(run, cells), slice(first), slice(first, None)
     return Meetings(
         first_new=_mean_in(by_phase, new, begin),
@@ -121,6 +126,8 @@ def meetings(run: Path, cells: Sequence[Cell], first: int = FIRST) -> Meetings |
         first_again=_mean_in(by_phase, again, begin),
         rest_again=_mean_in(by_phase, again, rest),
         met_again=bool(again),
+        new=len(new),
+        known=sum(humans[place] in known for place in new),
     )
 
 
