@@ -4,16 +4,18 @@ import math
 
 import numpy as np
 import pytest
+from matplotlib.colors import to_hex
 
 from tests.pictures.within import beyond, upon_another, words_of
 from visitlab_cli.affordances.counts import Kind
+from visitlab_cli.affordances.graph_picture import PALE
 from visitlab_cli.affordances.plain import Arrow, weight
 from visitlab_cli.affordances.several import COMPARED, Belief, Verdict, as_json, of_saved, verdict
 from visitlab_cli.affordances.several_picture import draw_several, save_several
 from visitlab_cli.config.loading import load_text
 from visitlab_cli.console.affordances import models_text
 from visitlab_cli.errors import UsageError
-from visitlab_cli.pictures.style import STYLE, styled
+from visitlab_cli.pictures.style import GREY, INK, STYLE, styled
 from visitlab_cli.plan.cells import plan
 from visitlab_cli.world.enums import Action, InteractionLevel
 from visitlab_cli.world.scene import NOWHERE
@@ -229,6 +231,30 @@ def test_what_is_drawn_is_what_was_found(found):
         for arrow, belief in model.beliefs.items()
         if belief.visits
     }
+
+
+@pytest.mark.parametrize("lost", [Verdict.NONE, Verdict.DEGREE])
+def test_coloured_is_what_is_said_to_differ_and_what_is_not_compared_is_told(found, lost):
+    """One of each verdict in turn; of the four ways of losing attention, one arrow in the graphs, the last decides."""
+    several = [arrow for arrow in COMPARED if arrow.outcome < len(InteractionLevel)]
+    verdicts = dict.fromkeys(COMPARED, Verdict.NONE) | dict(zip(several, [*Verdict, *Verdict], strict=False))
+    verdicts[COMPARED[-1]] = lost
+    with styled(STYLE):
+        figure = draw_several(found._replace(verdicts=verdicts))
+    *_, first, second, lines = figure.axes
+    differs = {Verdict.DEGREE, Verdict.SPECIFIC}
+    for axes in (first, second):
+        drawn = {patch.get_gid(): to_hex(patch.get_edgecolor()) for patch in axes.patches if patch.get_gid()}
+        grey = to_hex(PALE)
+        assert {name for name, colour in drawn.items() if colour != grey} == {
+            *(f"{arrow.kind}/{int(arrow.level)}/{arrow.outcome}" for arrow in several if verdicts[arrow] in differs),
+            *(["loss"] if lost in differs else []),
+        }
+        assert drawn["go_to_human_vision/0/2"] == grey
+    assert {text.get_text() for text in lines.texts if text.get_color() == INK} <= set(differs)
+    assert {text.get_text() for text in lines.texts if text.get_color() == GREY}.isdisjoint(differs)
+    assert "go to view, which teleports in training" in " ".join(text.get_text() for text in figure.texts)
+    assert "go_to_human_vision is not\ncompared" in models_text(found)
 
 
 @pytest.mark.parametrize("humans", [1, 2, 6])

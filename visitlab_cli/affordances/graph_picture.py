@@ -1,13 +1,13 @@
 """The paper's Fig. 4 with numbers: levels as circles, an arrow for each gesture, as learned or as it truly is."""
 
 import math
-from collections.abc import Collection
+from collections.abc import Set
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from visitlab_cli.affordances.learned import Graph
 from visitlab_cli.affordances.plain import ARROWS, Arrow, Weight, weight
 from visitlab_cli.affordances.truth import NOT_ENGAGED
-from visitlab_cli.pictures.style import GREY, INK, SMALL
+from visitlab_cli.pictures.style import GREY, INK, SMALL, VERMILION
 from visitlab_cli.scene.colours import ACTION_COLOURS, shares
 from visitlab_cli.scene.words import ACTION_KINDS, CALLS, GOES, LEVEL_NAMES, LOOKS, MOVES, POINTS, SAYS_HELLO
 from visitlab_cli.world.enums import InteractionLevel
@@ -76,7 +76,7 @@ def draw_graph(axes: "Axes", graph: Graph, title: str, *, true: bool) -> None:
         told = tell(weight(graph, arrow))
         _draw_arrow(axes, arrow, told, colour_of(arrow))
         _write(axes, arrow, label, _two_lines(KIND_NAMES[str(arrow.kind)], told.text))
-    _draw_loss(axes)
+    _draw_loss(axes, GREY)
     lines = [f"{arrow.kind}: {tell(weight(graph, arrow)).text}" for arrow in LOST]
     _write_losses(axes, "\n".join(["loses attention, the robot moving", *lines]))
     _draw_levels(axes, 8)
@@ -84,7 +84,7 @@ def draw_graph(axes: "Axes", graph: Graph, title: str, *, true: bool) -> None:
         axes.text(x + right, y + up, name, ha="center", va="top", fontsize=SMALL, weight="bold", zorder=5)
 
 
-def draw_small_graph(axes: "Axes", graph: Graph, title: str, coloured: Collection[Arrow]) -> None:
+def draw_small_graph(axes: "Axes", graph: Graph, title: str, coloured: Set[Arrow]) -> None:
     """Draw the learned graph small: no names, no visits; arrows are grey but for some."""
     _empty(axes, title)
     for arrow, label in zip(ARROWS, SMALL_LABELS, strict=False):
@@ -92,7 +92,7 @@ def draw_small_graph(axes: "Axes", graph: Graph, title: str, coloured: Collectio
         told = Told(found.learned, f"{found.learned:.2f}" if found.visits else "-")
         _draw_arrow(axes, arrow, told, colour_of(arrow) if arrow in coloured else PALE, shrink=6)
         _write(axes, arrow, label, told.text)
-    _draw_loss(axes)
+    _draw_loss(axes, PALE if coloured.isdisjoint(LOST) else VERMILION)  # moves are grey
     lost = [found.learned for arrow in LOST if (found := weight(graph, arrow)).visits]
     ends = f"{min(lost):.2f} to {max(lost):.2f}" if lost else "never there"
     _write_losses(axes, f"loses attention\n{ends}")
@@ -136,12 +136,17 @@ def _draw_arrow(axes: "Axes", arrow: Arrow, told: Told, colour: Any, shrink: flo
             (x, y), (to_x, to_y), color=shade, linewidth=width + extra, mutation_scale=8, zorder=order, **look
         )
         axes.add_patch(drawn)
+    drawn.set_gid(_name_of(arrow))  # the upper one
 
 
 def _write(axes: "Axes", arrow: Arrow, place: tuple[float, float], words: str) -> None:
     text = axes.text(*place, words)
     text.set(ha="center", va="center", fontsize=SMALL, linespacing=1.1, zorder=6)
-    text.set_gid(f"{arrow.kind}/{int(arrow.level)}/{arrow.outcome}")
+    text.set_gid(_name_of(arrow))
+
+
+def _name_of(arrow: Arrow) -> str:
+    return f"{arrow.kind}/{int(arrow.level)}/{arrow.outcome}"
 
 
 def _two_lines(name: str, told: str) -> str:
@@ -152,7 +157,7 @@ def _two_lines(name: str, told: str) -> str:
     return f"{name} {told}" if " " not in told else f"{name}\n{told}"
 
 
-def _draw_loss(axes: "Axes") -> None:
+def _draw_loss(axes: "Axes", colour: Any) -> None:
     """Back from following: one arrow for all that loses attention."""
     from matplotlib.patches import FancyArrowPatch
 
@@ -161,7 +166,9 @@ def _draw_loss(axes: "Axes") -> None:
     _, below = LOSSES
     style: Any = {"arrowstyle": "-|>", "connectionstyle": "angle3,angleA=90,angleB=0", "mutation_scale": 7}
     start, end = (x, y + RADIUS), (east, below - 0.2)
-    axes.add_patch(FancyArrowPatch(start, end, color=GREY, linewidth=1.0, linestyle=(0, (4, 1.5)), zorder=2, **style))
+    drawn = FancyArrowPatch(start, end, color=colour, linewidth=1.0, linestyle=(0, (4, 1.5)), zorder=2, **style)
+    drawn.set_gid("loss")
+    axes.add_patch(drawn)
 
 
 def _write_losses(axes: "Axes", words: str) -> None:

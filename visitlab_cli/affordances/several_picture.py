@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 # In inches.
 ACROSS = 3
 SMALL_GRAPH = (PAGE - (ACROSS + 1) * EDGE) / ACROSS
-LINE, VERDICTS, BELOW = 0.24, 1.15, 0.76
+LINE, VERDICTS, AXIS, BELOW = 0.24, 1.15, 0.37, 0.08
 ABOVE = 0.2
 MODEL_NAMES, TOP_NAMES = 0.62, 0.5
 MARKER, MARKER_PLACE = 3.4, 5.6
@@ -30,12 +30,15 @@ DARK = 0.6
 """A share of a model's steps from which on its number is written in white."""
 SPREAD = 0.6
 """Of a line that the models take, one above the other."""
-ALIKE = (Verdict.GENERAL, Verdict.NONE)
+DIFFERS = (Verdict.DEGREE, Verdict.SPECIFIC)
+"""What is said in ink and coloured in the small graphs; all else is grey."""
+SPACING = 1.3
 MEANING = (
     "General: each model affords it, in more than 1 of 20 tries; by degree: and two models differ; specific: two "
     "differ, and not each affords it (99% intervals).\nWhat depends on engagement is counted where the distance is "
-    "right, in the graphs, too; all else at any distance.\nColoured in the small graphs: what differs between models. "
-    "Ticks: true of the model's human."
+    "right, in the graphs, too; all else at any distance. Ticks: true of the model's human.\nColoured in the small graphs: "
+    "by degree and specific; losing attention, if it is for any way of moving. Grey: all else.\nNot compared, so grey and "
+    "not below: go to view, which teleports in training and walks in a visit."
 )
 
 
@@ -60,14 +63,14 @@ def draw_several(found: Several) -> "Figure":
     titles = [in_lines(_title(model), SMALL_GRAPH - EDGE, TITLE_SIZE, "bold") for model in found.models]
     above = ABOVE + max(height_of(title, TITLE_SIZE) for title in titles)
     last = GAP + ABOVE + height_of("", TITLE_SIZE)
-    sheet = Sheet(big + rows * (above + small) + last + lines + BELOW)
+    sheet = Sheet(big + rows * (above + small) + last + lines + AXIS + height_of(MEANING, SPACING * SMALL) + BELOW)
     sheet.top = TITLE + 0.14
     _draw_whose(sheet, found)
     draw_graph(
         sheet.axes(EDGE, GRAPH, GRAPH * HEIGHT / WIDTH), found.compared, "All models as one (times tried)", true=False
     )
     sheet.top = big
-    differing = [arrow for arrow, verdict in found.verdicts.items() if verdict not in ALIKE]
+    differing = {arrow for arrow, verdict in found.verdicts.items() if verdict in DIFFERS}
     for place, (model, title) in enumerate(zip(found.models, titles, strict=True)):
         column = place % ACROSS
         sheet.top = big + place // ACROSS * (above + small) + above
@@ -75,8 +78,8 @@ def draw_several(found: Several) -> "Figure":
         draw_small_graph(axes, model.compared, title, differing)
     sheet.top = big + rows * (above + small) + last
     _draw_lines(sheet.axes(NAMES, PAGE - NAMES - VERDICTS, lines), found)
-    sheet.top += lines + BELOW - 0.44
-    sheet.write(MEANING, fontsize=SMALL, linespacing=1.3)
+    sheet.top += lines + AXIS
+    sheet.write(MEANING, fontsize=SMALL, linespacing=SPACING)
     return sheet.figure
 
 
@@ -135,7 +138,7 @@ def _draw_lines(axes: "Axes", found: Several) -> None:
             (drawn,) = axes.plot(belief.probability, y, markersize=2.6, linewidth=0, zorder=4, **paint)
             drawn.set_gid(f"{model.number}/{row}")
         verdict = found.verdicts[arrow]
-        axes.text(1.04, row, str(verdict), va="center", fontsize=SMALL, color=GREY if verdict in ALIKE else INK)
+        axes.text(1.04, row, str(verdict), va="center", fontsize=SMALL, color=INK if verdict in DIFFERS else GREY)
         if row:
             axes.axhline(row - 0.5, color="0.93", linewidth=0.5, zorder=0)
     axes.set(xlim=(-0.02, 1.02), ylim=(len(COMPARED) - 0.5, -0.5), yticks=range(len(COMPARED)))
