@@ -254,7 +254,7 @@ def test_coloured_is_what_is_said_to_differ_and_what_is_not_compared_is_told(fou
     assert {text.get_text() for text in lines.texts if text.get_color() == INK} <= set(differs)
     assert {text.get_text() for text in lines.texts if text.get_color() == GREY}.isdisjoint(differs)
     assert "go to view, which teleports in training" in " ".join(text.get_text() for text in figure.texts)
-    assert "go_to_human_vision is not\ncompared" in models_text(found)
+    assert "Not compared:\ngo_to_human_vision, which teleports" in models_text(found)
 
 
 @pytest.mark.parametrize("humans", [1, 2, 6])

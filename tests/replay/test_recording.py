@@ -1,21 +1,25 @@
 """The recording of a trial, checked by Rerun's own tool and read back: it says what the log says."""
 
+import dataclasses
 import shutil
 import subprocess
 
 import numpy as np
 import pyarrow
 import pytest
+import rerun.blueprint as rrb
 from rerun.chunk import RrdReader
 
+from visitlab_cli.pictures.words import width_of
+from visitlab_cli.replay.blueprint import blueprint_of
 from visitlab_cli.replay.drawing import GOAL_ROOM
 from visitlab_cli.replay.program import program
 from visitlab_cli.replay.recording import record
 from visitlab_cli.scene.moments import moments
 from visitlab_cli.scene.scene import ASIDE, Scene
 from visitlab_cli.scene.sight import FACES, NOTHING, SEES
-from visitlab_cli.scene.trial import load_trial
-from visitlab_cli.scene.words import GESTURES, LEVEL_NAMES, captions, option_name
+from visitlab_cli.scene.trial import active_in_the_end, load_trial
+from visitlab_cli.scene.words import BELIEVED, GESTURES, LEVEL_NAMES, captions, option_name
 from visitlab_cli.storage.arrays import read_model
 from visitlab_cli.world import columns as parts
 from visitlab_cli.world.lab import paper_lab
@@ -93,6 +97,49 @@ def test_the_best_actions_are_those_of_the_model_beside_the_log(recorded):
         best = int(np.argmax(q[state]))
         assert page.endswith("**")
         assert f"learned in the end: {option_name(best)} **{q[state, best]:.2f}**, " in page
+
+
+def several_models(trial, belief=False):
+    """The trial as of an agent that acts by model 1, from step 7 on by model 2."""
+    n = trial.length
+    steps = trial.steps | {"active_model": np.where(np.arange(n) < 7, 1, 2), "evidence": np.linspace(0, 20, n)}
+    believed = dict.fromkeys(BELIEVED, np.full(n, 0.25)) if belief else {}
+    return dataclasses.replace(trial, steps=steps | believed, q_of=4)
+
+
+def test_it_says_by_which_of_several_models_and_how_much_evidence_is_enough(trial_of, tmp_path):
+    file = tmp_path / "trial.rrd"
+    file.write_bytes(record(several_models(trial_of("visit"))))
+    found = {}
+    for chunk in RrdReader(file).stream().to_chunks():
+        batch = chunk.to_record_batch()
+        for name in {"TextDocument:text", "Scalars:scalars"} & set(batch.schema.names):
+            found.setdefault(str(chunk.entity_path), []).extend(batch.column(name).to_pylist())
+    pages = [page for (page,) in found["/now"]]
+    assert all("Best from here, by model 4 as it was in the end: " in page for page in pages)
+    assert [step for step, page in enumerate(pages) if "acts by **model 1**" in page] == list(range(7))
+    assert {value for (value,) in found["/evidence/for_a_model_that_is_there"]} == {30.0}
+    assert {value for (value,) in found["/evidence/for_a_new_one"]} == {80.0}
+    assert len(found["/evidence/nats"]) == len(pages)
+
+
+@pytest.mark.parametrize("belief", [False, True])
+def test_names_of_curves_fit_beside_each_other(trial_of, belief):
+    """'Evidence for anothe' was what a third of the right half could show at the size of a picture."""
+    blueprint = blueprint_of(Scene(several_models(trial_of("visit"), belief)))
+    containers = [blueprint.root_container]
+    for container in containers:  # grows
+        containers += [each for each in container.contents if isinstance(each, rrb.Container)]
+    (curves,) = (each for each in containers if any(isinstance(view, rrb.TimeSeriesView) for view in each.contents))
+    assert len(curves.contents) == 3 + belief
+    assert curves.grid_columns == 3 - belief
+    assert all(width_of(view.name, 10) < width_of("Evidence for anothe", 10) for view in curves.contents)
+
+
+def test_the_model_of_the_best_actions_is_read_beside_the_log(tmp_path):
+    assert active_in_the_end(tmp_path / "steps.mcap") is None
+    np.savez(tmp_path / "model.npz", active=np.array([3], np.int64))
+    assert active_in_the_end(tmp_path / "steps.mcap") == 3
 
 
 def test_a_log_alone_has_no_best_actions(trial_of, tmp_path):

@@ -1,10 +1,14 @@
 """The comic strip: its formats, its panels, and the same bytes for the same trial."""
 
+import dataclasses
 import sys
 
+import numpy as np
 import pytest
 
+from tests.pictures.within import beyond, upon_another, words_of
 from visitlab_cli.errors import RunError, UsageError
+from visitlab_cli.pictures.style import STRIP_STYLE, styled
 from visitlab_cli.replay.strip import draw_strip, save_strip
 from visitlab_cli.scene.moments import left_out, moments, strip_steps
 from visitlab_cli.scene.trial import Trial
@@ -95,6 +99,21 @@ def test_it_says_what_is_left_out(trial_of, panels):
     said = [text.get_text() for text in figure.texts]
     assert said == ([f"Not shown: {left_out(trial.steps, shown, paper_lab())}."] if panels else [])
     assert len(every) > 3
+
+
+def test_it_says_by_which_of_several_models(trial_of):
+    pytest.importorskip("matplotlib")
+    trial = trial_of("visit", 0)
+    active = np.repeat([0, 3, 1], [5, 20, trial.length - 25])
+    trial = dataclasses.replace(trial, steps=trial.steps | {"active_model": active})
+    with styled(STRIP_STYLE):
+        figure = draw_strip(trial, [0, 1])
+        words = words_of(figure)
+    (said,) = (text.get_text() for text in figure.texts)
+    expected = "Acts by model 0, from step 5 on by model 3, from step 25 on by model 1. Not shown: "
+    assert said.replace("\n", " ").startswith(expected)
+    assert beyond(figure, words) == []
+    assert upon_another(words) == []
 
 
 @pytest.mark.parametrize("panels", [1, 2, 3])

@@ -193,3 +193,11 @@ def test_every_recorded_step_has_a_caption(trial_of, task):
     assert [("reward" in words or "goal" in words) for words in told[1:]] == [
         reward > 0 for reward in trial.steps["reward"][1:]
     ]
+
+
+def test_of_several_models_the_first_and_each_change_are_told():
+    steps = visit(BEGIN, {}, {"action": Action.LOOK}, {}) | {"active_model": np.array([1, 1, 3, 3])}
+    told = captions(steps, paper_lab())
+    assert told[0] == "the trial begins, with model 1; the human does not see it"
+    assert told[2] == "looks at the human; the human does not see it; the robot changes to model 3"
+    assert [words.count("model") for words in told] == [1, 0, 1, 0]

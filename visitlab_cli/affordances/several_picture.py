@@ -36,9 +36,9 @@ SPACING = 1.3
 MEANING = (
     "General: each model affords it, in more than 1 of 20 tries; by degree: and two models differ; specific: two "
     "differ, and not each affords it (99% intervals).\nWhat depends on engagement is counted where the distance is "
-    "right, in the graphs, too; all else at any distance. Ticks: true of the model's human.\nColoured in the small graphs: "
-    "by degree and specific; losing attention, if it is for any way of moving. Grey: all else.\nNot compared, so grey and "
-    "not below: go to view, which teleports in training and walks in a visit."
+    "right, in the graphs, too; all else at any distance. Ticks: true of the model's human.\n"
+    "Coloured in the small graphs: by degree and specific; losing attention, if it is for any way of moving. Grey: all "
+    "else.\nNot compared, so grey and not below: go to view, which teleports in training and walks in a visit."
 )
 
 

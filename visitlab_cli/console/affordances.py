@@ -93,8 +93,8 @@ def models_text(found: "Several") -> str:
             "more than half of the steps that it counts). NOT_ENGAGED: any of the levels 0 to 4. What depends on",
             f"engagement is told where the distance is right. Of models that tried it {ENOUGH} times: general: each",
             f"affords it, with more than {AFFORDS:g}; by degree: and two differ; specific: two differ, and not each",
-            "affords it; none: none does; open: nobody can tell. As far as 99% intervals tell. go_to_human_vision is not",
-            "compared: it teleports in training and walks in a visit.",
+            "affords it; none: none does; open: nobody can tell. As far as 99% intervals tell. Not compared:",
+            "go_to_human_vision, which teleports in training and walks in a visit.",
         ]
     )
 

@@ -14,6 +14,10 @@ from visitlab_cli.scene.trial import Trial
 FRAMES_PER_SECOND = 3.0
 SCENE = ["lab/**", "human/**", "robot/**"]
 STRIP_COLUMNS = 3
+DISTANCE, BELIEVED, FOR_OTHERS = "Distance in cells", "None to following", "Evidence in nats"
+"""Names of curves, so short that three fit side by side."""
+MOST_BESIDE = 3
+"""Curves in a row."""
 NO_LEGEND = rrb.PlotLegend(visible=False)
 
 
@@ -35,19 +39,18 @@ def blueprint_of(shown: Scene, *, following: bool = False) -> rrb.Blueprint:
         rrb.TimeSeriesView(origin="reward", name=reward, axis_x=axis, plot_legend=NO_LEGEND)
     ]
     if trial.has_human:
-        distance = "Distance in cells, to interact between the lines"
-        curves.append(rrb.TimeSeriesView(origin="distance", name=distance, axis_x=axis, plot_legend=NO_LEGEND))
+        curves.append(rrb.TimeSeriesView(origin="distance", name=DISTANCE, axis_x=axis, plot_legend=NO_LEGEND))
     if trial.has_belief:
-        curves.append(rrb.BarChartView(origin=BELIEF, name="None, greeted, called, follows"))
+        curves.append(rrb.BarChartView(origin=BELIEF, name=BELIEVED))
     if trial.has_models:
-        name = "Evidence for another model, nats"
-        curves.append(rrb.TimeSeriesView(origin=EVIDENCE, name=name, axis_x=axis, plot_legend=NO_LEGEND))
+        curves.append(rrb.TimeSeriesView(origin=EVIDENCE, name=FOR_OTHERS, axis_x=axis, plot_legend=NO_LEGEND))
     there = {LEVEL: trial.has_human, ACTION: True, GOAL_LANE: trial.has_goal, MODEL: trial.has_models}
     lanes = [lane for lane in LANES if there[lane]]
     names = ", ".join(lane.replace("_", " ") for lane in lanes).capitalize()
     state: Literal["following", "paused"] = "following" if following else "paused"
     states = rrb.StateTimelineView(origin="/", contents=lanes, name=names, time_view=axis)
-    side = rrb.Vertical(*words, rrb.Horizontal(*curves), row_shares=[3.2, 3.9, 2.7])
+    columns = len(curves) if len(curves) <= MOST_BESIDE else MOST_BESIDE - 1
+    side = rrb.Vertical(*words, rrb.Grid(*curves, grid_columns=columns), row_shares=[3.2, 3.9, 2.7])
     return rrb.Blueprint(
         rrb.Vertical(
             rrb.Horizontal(left, side, column_shares=[1, 1]), states, row_shares=[4.4, max(3, len(lanes)) / 3]

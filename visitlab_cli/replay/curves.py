@@ -7,9 +7,11 @@ import numpy as np
 import numpy.typing as npt
 import rerun as rr
 
+from visitlab_cli.agents.model_switching import NEW, SWITCH
 from visitlab_cli.replay.stage import TIMELINE, Stage
 from visitlab_cli.scene.colours import ACTION_COLOURS, GOAL, HUMAN, LEVEL_COLOURS, Colour
 from visitlab_cli.scene.moments import moments
+from visitlab_cli.scene.trial import Trial
 from visitlab_cli.scene.words import (
     ACTION_KINDS,
     BELIEVED,
@@ -18,6 +20,7 @@ from visitlab_cli.scene.words import (
     believed,
     captions,
     direction_name,
+    model_name,
     option_name,
     room_name,
 )
@@ -62,16 +65,21 @@ def draw_states(stage: Stage) -> None:
     if stage.trial.has_models:
         names = [f"model {model}" for model in range(int(steps["active_model"].max()) + 1)]
         colours = [MODEL_COLOURS[model % len(MODEL_COLOURS)] for model in range(len(names))]
-        _lane(stage, MODEL, names, colours, [names[model] for model in steps["active_model"]])
+        _lane(stage, MODEL, names, colours, [model_name(steps, step) for step in range(stage.trial.length)])
 
 
 def draw_curves(stage: Stage) -> None:
-    """The reward so far, and the distance in cells with the bounds between which the two can interact."""
+    """The reward so far, what speaks for another model and how much is enough, the distance with its bounds.
+
+    Between the bounds, in cells, the two can interact.
+    """
     steps = stage.trial.steps
     reward = "goals" if stage.trial.plays.counts_goals else "reward"
     _curve(stage, "reward", np.cumsum(steps["reward"]), reward, GOAL, 2.5)
     if stage.trial.has_models:
-        _curve(stage, EVIDENCE, steps["evidence"], "nats", HUMAN, 2.5)
+        _curve(stage, f"{EVIDENCE}/nats", steps["evidence"], "nats", HUMAN, 2.5)
+        for name, enough in (("for a model that is there", SWITCH), ("for a new one", NEW)):
+            _curve(stage, f"{EVIDENCE}/{name.replace(' ', '_')}", np.full(stage.trial.length, enough), name, GREY, 1.0)
     if not stage.trial.has_human:
         return
     apart = [abs(steps[f"robot_{axis}"].astype(int) - steps[f"human_{axis}"].astype(int)) for axis in ("row", "col")]
@@ -108,17 +116,22 @@ def _page(stage: Stage, step: int, caption: str) -> str:
         facts.append(f"desired direction **{direction_name(int(steps['desired_direction'][step]))}**")
     if stage.trial.has_goal:
         facts.append(f"goal **{room_name(stage.trial.lab, int(steps['goal_room'][step]))}**")
+    if stage.trial.has_models:
+        facts.append(f"acts by **{model_name(steps, step)}**")
     if steps["explored"][step]:
         facts.append("*drawn at random, to explore*")
-    best = [_best_actions(stage.trial.q[int(steps["state"][step])])] if stage.trial.q is not None else []
+    best = [_best_actions(stage.trial, int(steps["state"][step]))] if stage.trial.q is not None else []
     return "\n\n".join([*lines, ", ".join(facts), *best])
 
 
-def _best_actions(values: npt.NDArray[np.float64]) -> str:
-    """The actions that the model thinks best in a state, with what it expects of them."""
+def _best_actions(trial: Trial, state: int) -> str:
+    """The actions that are best in a state by what was learned in the end, with what was expected of them."""
+    assert trial.q is not None
+    values = trial.q[state]
     order = np.argsort(-values, kind="stable")[:BEST_SHOWN]
     told = [f"{option_name(int(action))} **{values[action]:.2f}**" for action in order]
-    return f"Best from here, by what was learned in the end: {', '.join(told)}"
+    learned = "what was learned" if trial.q_of is None else f"model {trial.q_of} as it was"
+    return f"Best from here, by {learned} in the end: {', '.join(told)}"
 
 
 def _lane(stage: Stage, entity: str, names: Sequence[str], colours: Sequence[Colour], states: Sequence[str]) -> None:

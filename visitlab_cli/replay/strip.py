@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from visitlab_cli.errors import RunError, UsageError
 from visitlab_cli.origin import METADATA
-from visitlab_cli.pictures.words import width_of
+from visitlab_cli.pictures.words import in_lines, width_of
 from visitlab_cli.replay import panel
 from visitlab_cli.same_pictures import same_pictures
 from visitlab_cli.scene.colours import (
@@ -25,7 +25,7 @@ from visitlab_cli.scene.moments import left_out, moments, strip_steps
 from visitlab_cli.scene.scene import Scene
 from visitlab_cli.scene.shapes import Body, Role
 from visitlab_cli.scene.trial import Trial, load_trial
-from visitlab_cli.scene.words import LEVEL_NAMES, action_name, direction_name, shut_in
+from visitlab_cli.scene.words import LEVEL_NAMES, action_name, direction_name, model_changes, model_name, shut_in
 from visitlab_cli.whole_file import write_again
 from visitlab_cli.wording import few
 from visitlab_cli.world.sight import Walls
@@ -88,8 +88,9 @@ def draw_strip(trial: Trial, steps: Sequence[int]) -> "Figure":
     handles = _key(scene, steps)
     widths = [KEY_ENTRY + KEY_LETTER * len(handle.get_label()) for handle in handles]
     entries = len(handles) if sum(widths) <= width else min(len(handles), max(1, int(width / max(widths))))
-    missing = left_out(trial.steps, steps, trial.lab)
-    key = KEY_GAP + KEY_LINE * (-(-len(handles) // entries) + bool(missing))
+    told = in_lines(" ".join(_told(trial, steps)), width - 2 * GAP, FONT_SIZE)
+    below = KEY_LINE * (told.count("\n") + 1) if told else 0.0
+    key = KEY_GAP + KEY_LINE * -(-len(handles) // entries) + below
     (left, right), (upper, lower) = scene.view
     panel_height = PANEL * min(1.0, (lower - upper) / (right - left))
     height = rows * (panel_height + TITLE + GAP) + GAP + key
@@ -115,14 +116,21 @@ def draw_strip(trial: Trial, steps: Sequence[int]) -> "Figure":
         axes.text(x, y, kinds, weight="bold", **look)
         for words in shared:
             axes.text(x, y + 0.09, words, **look)
-        title, below = title_of(trial, step)
-        axes.set_title(f"{title}\n{below}", fontsize=FONT_SIZE, loc="left", pad=2.5, linespacing=1.15)
-    if missing:
-        figure.text(0.5, (KEY_GAP / 2 + KEY_LINE / 2) / height, f"Not shown: {missing}.", ha="center", va="center")
+        axes.set_title("\n".join(title_of(trial, step)), fontsize=FONT_SIZE, loc="left", pad=2.5, linespacing=1.15)
+    if told:
+        figure.text(0.5, (KEY_GAP / 2 + below / 2) / height, told, ha="center", va="center")
     spacing: Any = {"handlelength": 1.2, "handletextpad": 0.4, "columnspacing": 1.2, "borderaxespad": 0.1}
-    place: Any = {"loc": "lower center", "bbox_to_anchor": (0.5, KEY_LINE * bool(missing) / height)}
+    place: Any = {"loc": "lower center", "bbox_to_anchor": (0.5, below / height)}
     figure.legend(handles=handles, ncols=entries, frameon=False, fontsize=FONT_SIZE, **place, **spacing)
     return figure
+
+
+def _told(trial: Trial, steps: Sequence[int]) -> list[str]:
+    """Sentences below the panels: by which of several models the robot acts, and what is not shown."""
+    models = [f"Acts by {model_name(trial.steps, 0)}"] if trial.has_models else []
+    models += [f"from step {step} on by {model_name(trial.steps, step)}" for step in model_changes(trial.steps)]
+    missing = left_out(trial.steps, steps, trial.lab)
+    return [f"{words}." for words in (", ".join(models), f"Not shown: {missing}" if missing else "") if words]
 
 
 def _free_corner(scene: Scene, step: int, size: tuple[float, float]) -> tuple[float, float, str]:

@@ -11,7 +11,7 @@ import numpy.typing as npt
 import yaml
 
 from visitlab_cli.agents.base import Setting
-from visitlab_cli.agents.declared import floats
+from visitlab_cli.agents.declared import counts, floats
 from visitlab_cli.config.names import PAPER_LAB, changes_of_place, module
 from visitlab_cli.errors import RunError, VisitlabError
 from visitlab_cli.log.reader import check_values, read_attachment, read_metadata, read_trial
@@ -36,7 +36,8 @@ class Trial:
 
     `lab` is where it plays, or where it would without its own `arena`, the side of an open square in cells.
     `distances` are the four thresholds in cells, `q` what the deciding module had learned in the end, shape
-    (states, actions), where its model is at hand. `phase` says in words which phase it is of; empty without phases.
+    (states, actions), where its model is at hand, and `q_of` the number of that model where the agent has several:
+    the one that was active in the end. `phase` says in words which phase it is of; empty without phases.
     """
 
     path: Path
@@ -49,6 +50,7 @@ class Trial:
     q: Values | None = None
     arena: int | None = None
     phase: str = ""
+    q_of: int | None = None
 
     @property
     def name(self) -> str:
@@ -150,7 +152,8 @@ def load_trial(path: Path, number: int) -> Trial:
     distances = config.get("interaction", {}).get("distances", DISTANCES)
     learned = _learned(path, TASKS[task], lab, cell, config)
     phase = phase_in_words(steps, experiment)
-    return Trial(path, cell, task, number, steps, lab, tuple(distances), learned, arena, phase)
+    model = active_in_the_end(path) if "active_model" in steps else None
+    return Trial(path, cell, task, number, steps, lab, tuple(distances), learned, arena, phase, model)
 
 
 def phase_in_words(steps: Steps, experiment: Mapping[str, Any]) -> str:
@@ -227,6 +230,13 @@ def _learned(path: Path, task: Task, lab: Lab, cell: str, config: dict[str, Any]
         agent = agents[player_of(config, cell)]
         setting = Setting(task.name, *task.size(lab), 1, agents, goals=task.goals(lab))
         return agent.values(read_model(file, agent.arrays(setting)))
+    return None
+
+
+def active_in_the_end(path: Path) -> int | None:
+    """Which of several models the agent beside a log acted by in the end, if that is told."""
+    with contextlib.suppress(VisitlabError, KeyError):
+        return int(read_model(path.with_name(MODEL), {"active": counts(1, dtype="<i8")})["active"][0])
     return None
 
 

@@ -109,13 +109,29 @@ def caption(steps: Steps, step: int, lab: Lab) -> str:
         parts.append(_human(steps, step, lab))
     if step > 0 and steps["reward"][step] > 0:
         parts.append(_rewarded(steps, step, lab))
+    if step in model_changes(steps):
+        parts.append(f"the robot changes to {model_name(steps, step)}")
     return "; ".join(parts)
+
+
+def model_changes(steps: Steps) -> list[int]:
+    """Of an agent of several models, the steps from which on it acts by another one than before."""
+    if "active_model" not in steps:
+        return []
+    active = steps["active_model"]
+    return [int(step) for step in (active[1:] != active[:-1]).nonzero()[0] + 1]
+
+
+def model_name(steps: Steps, step: int) -> str:
+    """Of an agent of several models, by which of them it acts from a step on: 'model 2'."""
+    return f"model {steps['active_model'][step]}"
 
 
 def _begins(steps: Steps, lab: Lab) -> str:
     phase = [f"in phase {steps['phase'][0]}"] if "phase" in steps else []
-    shut = shut_in(steps, lab)
-    return ", ".join(["the trial begins", *phase, *([f"doors shut: {', '.join(shut)}"] if shut else [])])
+    shut = [f"doors shut: {', '.join(names)}"] if (names := shut_in(steps, lab)) else []
+    model = [f"with {model_name(steps, 0)}"] if "active_model" in steps else []
+    return ", ".join(["the trial begins", *phase, *model, *shut])
 
 
 def _physical(steps: Steps, step: int, action: int) -> str:

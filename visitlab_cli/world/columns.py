@@ -103,7 +103,15 @@ class StepColumns(NamedTuple):
     belief_called: Annotated[Floats, Column(FLOAT, BELIEF, "how likely it is called, and waits to be shown the way")]
     belief_following: Annotated[Floats, Column(FLOAT, BELIEF, "how likely it follows")]
     active_model: Annotated[Bytes, Column(UINT32, MODELS, "number of the model that the agent acts by, from 0")]
-    evidence: Annotated[Floats, Column(FLOAT, MODELS, "the most that speaks for another model or a new one, in nats")]
+    evidence: Annotated[
+        Floats,
+        Column(
+            FLOAT,
+            MODELS,
+            "in nats, the most that speaks for another model, which takes over above 30, or for a new one, made above "
+            "80; which of them is not said",
+        ),
+    ]
 
 
 def _columns() -> tuple[Column, ...]:
