@@ -5,11 +5,14 @@ from collections import Counter, defaultdict
 import numpy as np
 import pytest
 
+from tests.pictures.within import beyond, words_of
 from visitlab_cli.affordances.intents import INTENTS, Intent, affording, chances, entries, planned
-from visitlab_cli.affordances.restricted import ALL, restricted
+from visitlab_cli.affordances.intents_picture import draw_intents
+from visitlab_cli.affordances.restricted import ALL, PairSet, Restricted, restricted
 from visitlab_cli.agents.base import Setting
 from visitlab_cli.agents.sparse_model import count, empty_model, saved_model
 from visitlab_cli.errors import NotFoundError
+from visitlab_cli.pictures.style import STYLE, styled
 from visitlab_cli.plan.cells import plan
 from visitlab_cli.plan.selection import Selection
 from visitlab_cli.storage.run_folder import read_config
@@ -139,3 +142,23 @@ def test_every_set_of_a_run_is_told(tiny_run):
 def test_of_an_agent_without_a_model_nothing_is_planned(tiny_run):
     with pytest.raises(NotFoundError, match="no such social module"):
         restricted(tiny_run, plan(read_config(tiny_run)), Selection(agent="mf"))
+
+
+def test_the_picture_has_one_axis_and_the_names_of_the_figure():
+    def module(human, reward):
+        pairs = np.full(2, 10.0)
+        sets = [
+            PairSet(ALL, None, np.empty((2, 0)), pairs, pairs, np.array([8.0, 8.0])),
+            PairSet("k 0.5", 0.5, np.full((2, len(INTENTS)), 5.0), pairs / 2, pairs / 2, np.array(reward)),
+        ]
+        return Restricted(f"social/mb/{human}", human, [0, 1], np.array([8.0, 8.0]), sets)
+
+    with styled(STYLE):
+        figure = draw_intents([module("a", [8.0, 7.0]), module("b_c", [2.0, 2.5])], {"a": "the first one"})
+        words = words_of(figure)
+    first, second = figure.axes[:2]
+    assert [axes.get_title(loc="left").split("\n")[0] for axes in (first, second)] == ["the first one", "b c"]
+    assert first.get_ylim() == second.get_ylim()
+    lowest = min(np.min(line.get_ydata()) for line in second.lines)
+    assert first.get_ylim()[0] < lowest < 30
+    assert beyond(figure, words) == []

@@ -136,8 +136,10 @@ def tried(source):
 
 def intents(source):
     """Human 2's table, and the reward by the agent's own values; draws the picture of all humans."""
-    save_intents([*intents_by_human(source).values()], ROOT / "docs" / "images" / "intents.png")
-    found = intents_by_human(source)["human_2"]
+    by_human = intents_by_human(source)
+    names = {human: called(source, human) for human in by_human}
+    save_intents([*by_human.values()], ROOT / "docs" / "images" / "intents.png", names)
+    found = by_human["human_2"]
     rows = []
     for each in found.sets:
         affording = (
@@ -160,6 +162,10 @@ def sure(source):
     }
 
 
+def called(source, human):
+    return source.config.figure.names.get(human, human.replace("human_", "Human ").replace("_", " with "))
+
+
 def others(source):
     rows = []
     for human, found in intents_by_human(source).items():
@@ -170,8 +176,7 @@ def others(source):
             share = [f"{getattr(half, of).mean() / getattr(whole, of).mean():.0%}" for of in ("pairs", "entries")]
             rewards = [in_words(each.reward.tolist()) for each in (whole, half)]
             seldom = f"{many.entries.mean() / whole.entries.mean():.0%}, {found.difference(many).in_words('+')}"
-            called = source.config.figure.names.get(human, human.replace("human_", "Human ").replace("_", " with "))
-            rows.append([called, *share, *rewards, found.difference(half).in_words("+"), seldom])
+            rows.append([called(source, human), *share, *rewards, found.difference(half).in_words("+"), seldom])
     heads = ["human", "pairs", "entries a sweep", "reward a trial, all pairs", "k 0.5", "difference, by seed"]
     return table([*heads, "tried 3+ times: entries, difference"], rows)
 

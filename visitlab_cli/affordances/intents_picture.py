@@ -1,7 +1,7 @@
 """Affordances as intents, drawn: reward kept against the size of a sweep, and how many pairs afford what."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -27,17 +27,22 @@ SHOWN, EDGE = (80.0, 105.0), 0.1
 """Percent of the reward that are shown at least, so that noise does not look large; the part left free."""
 
 
-def save_intents(found: Sequence[Restricted], target: Path) -> None:
+def save_intents(found: Sequence[Restricted], target: Path, names: Mapping[str, str]) -> None:
     """Write the picture as .svg, .png or .pdf; the same bytes for the same modules.
+
+    Args:
+        found: what is drawn.
+        target: where.
+        names: what humans are called, by their names in the config; others by these.
 
     Raises:
         RunError: it cannot be written.
     """
     with styled(STYLE):
-        save(draw_intents(found), target)
+        save(draw_intents(found, names), target)
 
 
-def draw_intents(found: Sequence[Restricted]) -> "Figure":
+def draw_intents(found: Sequence[Restricted], names: Mapping[str, str]) -> "Figure":
     """A column for each group: above reward against entries of a sweep, below pairs by intent against k."""
     from matplotlib.figure import Figure
 
@@ -48,11 +53,17 @@ def draw_intents(found: Sequence[Restricted]) -> "Figure":
         left=LEFT / PAGE, right=1 - RIGHT / PAGE, top=1 - TOP / HEIGHT, bottom=BOTTOM / HEIGHT, hspace=0.42, wspace=0.32
     )
     room = (PAGE - LEFT - RIGHT) / len(shown) - 0.35
+    ends = [SHOWN]
     for module, above, below in zip(shown, *panels, strict=True):
-        human = in_lines(in_words(module.human), room, TITLE_SIZE, "bold")
+        human = in_lines(names.get(module.human) or in_words(module.human), room, TITLE_SIZE, "bold")
         above.set_title(f"{human}\n{module.whole.reward.mean():.2f} a trial", loc="left")
-        _draw_reward(above, module)
+        ends.append(_draw_reward(above, module))
         _draw_sizes(below, module)
+    lowest, highest = min(low for low, _ in ends), max(high for _, high in ends)
+    edge = EDGE * (highest - lowest)
+    for above in panels[0]:
+        above.set_ylim(lowest - edge, highest + edge)
+        above.tick_params(labelleft=above is panels[0][0])
     largest = max(float(each.affording.mean(axis=0).max()) for module in shown for each in _asked(module))
     for below in panels[1]:
         below.set_ylim(1, 2 * max(1.0, largest))
@@ -71,12 +82,13 @@ def draw_intents(found: Sequence[Restricted]) -> "Figure":
     return figure
 
 
-def _draw_reward(axes: "Axes", module: Restricted) -> None:
+def _draw_reward(axes: "Axes", module: Restricted) -> tuple[float, float]:
+    """Its points; the lowest and the highest end of a bar, in percent."""
     whole = float(module.whole.reward.mean())
     asked = _asked(module)
     axes.axhline(PERCENT, color="0.8", linewidth=0.8, zorder=0)
     axes.plot(*zip(*(_place(module, each) for each in asked), strict=True), color=BLUE, linewidth=0.8, zorder=1)
-    lowest, highest = SHOWN
+    ends = []
     for each in module.sets:
         x, y = _place(module, each)
         colour, marker = (VERMILION, "s") if each.threshold is None else (BLUE, "o")
@@ -84,14 +96,14 @@ def _draw_reward(axes: "Axes", module: Restricted) -> None:
         half = 0.0 if math.isnan(half) else half
         axes.plot([x, x], [y - half, y + half], color=colour, linewidth=0.7, alpha=0.6, zorder=2)
         axes.plot(x, y, marker=marker, color=colour, markersize=3.2, zorder=3)
-        lowest, highest = min(lowest, y - half), max(highest, y + half)
+        ends += [y - half, y + half]
         words: Any = {"textcoords": "offset points", "fontsize": SMALL, "color": INK}
         if each is not module.whole and each.threshold is None:
             axes.annotate(each.name, (x, y + half), xytext=(GAP, GAP), ha="right", **words)
         elif each is asked[0] or each is asked[-1]:
             axes.annotate(f"{each.threshold:g}", (x, y), xytext=(GAP, -GAP), va="top", **words)
-    edge = EDGE * (highest - lowest)
-    axes.set(xlim=(0, MOST_PERCENT), ylim=(lowest - edge, highest + edge), xlabel="entries of a sweep (% of all)")
+    axes.set(xlim=(0, MOST_PERCENT), xlabel="entries of a sweep (% of all)")
+    return min(ends), max(ends)
 
 
 def _asked(module: Restricted) -> list[PairSet]:

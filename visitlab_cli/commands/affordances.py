@@ -181,12 +181,13 @@ def _tell_intents(
 
         check_ending(picture)
     trials = trials or TRIALS
-    cells = plan(read_config(folder))
+    config = read_config(folder)
+    cells = plan(config)
     found = restricted(folder, cells, selection, sorted(set(thresholds or THRESHOLDS)), trials)
     groups = {each.group for each in found}
     tell_unread(folder, [cell for cell in cells if cell.group in groups and selection.matches(cell)])
     if picture is not None:
-        save_intents(found, picture)
+        save_intents(found, picture, config.figure.names if config.figure else {})
         tell_json({"run": str(folder), "file": str(picture)}, None) if as_json else tell(str(picture))
     elif as_json:
         tell_json({"run": str(folder), **to_json(found, trials)})
