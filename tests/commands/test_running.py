@@ -138,12 +138,15 @@ UNREACHABLE = [
 ]
 
 
+@pytest.mark.parametrize("words", [["validate"], ["train", "--out"], ["submit", "--slurm", "--out"]])
 @pytest.mark.parametrize(("line", "told_of"), UNREACHABLE)
-def test_an_expected_value_that_can_never_be_checked_is_refused(tmp_path, line, told_of):
+def test_an_expected_value_that_can_never_be_checked_is_refused_with_its_place(tmp_path, words, line, told_of):
     config = tmp_path / "expecting.yaml"
     config.write_text(f"{TINY.read_text()}\nexpected:\n  {line}\n")
-    done = visitlab("train", config, "--out", tmp_path / "runs")
-    assert (done.returncode, done.stderr) == (3, f"expected.{told_of}\n")
+    command, *options = words
+    done = visitlab(command, config, *options, *([tmp_path / "runs"] if options else []))
+    place = f"{config}:{len(TINY.read_text().splitlines()) + 3}:{line.index('[') + 3}"
+    assert (done.returncode, done.stderr) == (3, f"{place}: expected.{told_of}\n")
     assert not (tmp_path / "runs").exists()
 
 

@@ -9,6 +9,7 @@ from visitlab_cli.config.canonical import config_hash, dump_yaml
 from visitlab_cli.config.grid import labels, variants
 from visitlab_cli.config.loading import load_text
 from visitlab_cli.errors import ConfigError, UsageError
+from visitlab_cli.plan.cells import plan
 
 GRID = "name: lab\nvary: {agents.mb.epsilon: [0, 0.5], humans.human_1.p_S: [[1, 0, 0], [0, 1, 0]]}"
 
@@ -41,6 +42,29 @@ def test_points_have_no_expected_values(loaded: Load) -> None:
     config = loaded(text)
     assert config.expected
     assert not any(point.config.expected for point in variants(config))
+
+
+EXPECTING = "\nexpected: {navigation/mf%s: {value: 1, tolerance: 1}}"
+IN_A_GRID = "name: lab\nvary: {agents.mf.alpha: [0.1, 0.2]}"
+
+
+def test_what_is_expected_in_a_grid_is_expected_at_a_point(loaded: Load) -> None:
+    config = loaded(edited("name: lab", IN_A_GRID + EXPECTING % "/agents.mf.alpha=0.2"))
+    groups = {cell.group for cell in plan(config)}
+    assert set(config.expected) <= groups
+
+
+@pytest.mark.parametrize(
+    ("name", "instead"),
+    [
+        ("", "known: navigation/mf/agents.mf.alpha=0.1, navigation/mf/agents.mf.alpha=0.2"),
+        ("/agents.mf.alpha=0.3", "did you mean navigation/mf/agents.mf.alpha=0.2?"),
+    ],
+)
+def test_what_is_expected_at_no_point_is_told_at_its_place(complaint: Complain, name: str, instead: str) -> None:
+    (line,) = complaint(edited("name: lab", IN_A_GRID + EXPECTING % name))
+    place = f"lab.yaml:3:12: expected.navigation/mf{name}"
+    assert line == f"{place}: no such module or visit; with `vary` the point belongs to the name; {instead}"
 
 
 def test_values_are_as_their_setting_has_them(loaded: Load) -> None:

@@ -31,7 +31,11 @@ SECTIONS = {
     ),
     "interaction": ("interaction", ""),
     "record": ("record", ""),
-    "expected": ("expected", "By `experiment/agent`, `experiment/agent/human` or `visit/human`."),
+    "expected": (
+        "expected",
+        "By `experiment/agent`, `experiment/agent/human` or `visit/human`; where `vary` changes it, its point follows: "
+        "`navigation/rmax/agents.rmax.gamma=0.9`.",
+    ),
     "figure": ("figure", ""),
 }
 PARTS = {

@@ -61,7 +61,8 @@ def check(plain: Plain, *, kept: bool = False) -> tuple[Config | None, list[Issu
     except ValidationError as error:
         return None, issues + issues_of(error, model) + reference_issues(_declared(plain, model))
     farthest = config.interaction.distances[-1]
-    whole = Declared(config.humans, config.agents, config.experiments, config.expected, farthest, config.labs)
+    expected = () if config.vary else config.expected  # whose names then have the point: see `wrong_expected`
+    whole = Declared(config.humans, config.agents, config.experiments, expected, farthest, config.labs)
     found = issues + reference_issues(whole)
     return (None, found) if found else (_with_whole_modules(config), [])
 
@@ -229,7 +230,7 @@ def _otherwise_read_back(config: Config, *, kept: bool) -> Iterator[Issue]:
 def _declared(plain: Plain, model: type[Config]) -> Declared:
     """What can be checked between the parts of a config that is partly wrong."""
     humans, agents, experiments, labs = (_valid_entries(model, section, plain.get(section)) for section in SECTIONS)
-    expected = plain.get("expected")
+    expected = plain.get("expected") if not plain.get("vary") else None
     return Declared(humans, agents, experiments, expected if isinstance(expected, dict) else (), labs=labs)
 
 

@@ -1,5 +1,6 @@
 """`vary`: a config as a grid of configs."""
 
+import hashlib
 import itertools
 import json
 import math
@@ -25,6 +26,7 @@ MOST_CELLS = 100_000
 MOST_VALUES = 3_000_000
 """Of all points' configs together: what takes seconds to check, not hours."""
 LONGEST_LABEL = 40
+LONGEST_FOLDER_NAME = 200
 LONGEST_PATH = 1000
 MOST_PATHS = 64
 LONGEST_COUNT = 10**15
@@ -38,6 +40,21 @@ class Variant(NamedTuple):
     values: dict[str, Any]
     labels: dict[str, str]
     config: Config
+
+    def values_of(self, used: set[str]) -> dict[str, Any]:
+        """Those values that lie in a `used` part of the config, by path."""
+        return {
+            path: value
+            for path, value in self.values.items()
+            if any(path == part or path.startswith(part + ".") for part in used)
+        }
+
+    def labels_of(self, used: set[str]) -> str:
+        """Their names."""
+        joined = ",".join(self.labels[path] for path in self.values_of(used))
+        if len(joined) <= LONGEST_FOLDER_NAME:
+            return joined
+        return f"vary-{hashlib.sha256(joined.encode()).hexdigest()[:8]}"
 
 
 def variants(config: Config) -> Iterator[Variant]:

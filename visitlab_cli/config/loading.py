@@ -6,6 +6,7 @@ from pathlib import Path
 from visitlab_cli.config.building import Overridden, build
 from visitlab_cli.config.files import find, shipped_folder
 from visitlab_cli.config.grid import with_checked_grid
+from visitlab_cli.config.groups import wrong_expected
 from visitlab_cli.config.model import Config
 from visitlab_cli.errors import UsageError
 from visitlab_cli.wording import shown
@@ -13,7 +14,7 @@ from visitlab_cli.yaml.document import Node, Place
 from visitlab_cli.yaml.files import read_content
 from visitlab_cli.yaml.include import INCLUDE, read_with_includes
 from visitlab_cli.yaml.overrides import Sections, apply_overrides, source_of
-from visitlab_cli.yaml.problems import Problem, failure
+from visitlab_cli.yaml.problems import Problem, failure, positioned
 from visitlab_cli.yaml.reader import read_yaml
 
 OWN_KEYS = ("name", "seed", "seeds", "record", "figure")
@@ -31,8 +32,8 @@ def load(name: str | Path, overrides: Sequence[str] = ()) -> Config:
 
     Args:
         name: a YAML file, or the bare name of a shipped config.
-        overrides: `key=value` each, the key dotted, the value YAML. Any but `seed` and `seeds` drops
-            `expected`, whose values belong to the config as it is written.
+        overrides: `key=value` each, the key dotted, the value YAML. Any but `seed`, `seeds` and those of
+            `expected` itself drops `expected`, whose values belong to the config as it is written.
 
     Returns:
         The config with `include` and `like` resolved.
@@ -49,7 +50,7 @@ def load(name: str | Path, overrides: Sequence[str] = ()) -> Config:
     written = document
     document, more = apply_overrides(document, overrides, SECTIONS)
     sources = [source_of(override) for override in overrides]
-    config = with_checked_grid(build(document, problems + more, Overridden(written, sources)), document)
+    config = _whole(document, problems + more, Overridden(written, sources))
     for key, _, text in (override.partition("=") for override in overrides):
         if key in config.vary:
             instead = f"override vary.{key}=[{text}]"
@@ -87,4 +88,17 @@ def load_text(text: str, source: str) -> Config:
             Problem(document.value[INCLUDE].place, (INCLUDE,), "only a file includes files; write out what they have"),
         ]
         document = document.with_entries({key: node for key, node in document.value.items() if key != INCLUDE})
-    return with_checked_grid(build(document, problems), document)
+    return _whole(document, problems)
+
+
+def _whole(document: Node, problems: list[Problem], overridden: Overridden | None = None) -> Config:
+    """The config with its grid, all of whose expected values can be checked.
+
+    Raises:
+        ConfigError: with a line for each problem, those already known included.
+    """
+    config = with_checked_grid(build(document, problems, overridden), document)
+    wrong = list(wrong_expected(config))
+    if wrong:
+        raise failure(positioned(document, issue) for issue in wrong)
+    return config

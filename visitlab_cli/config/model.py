@@ -124,7 +124,7 @@ class Config(Settings):
     expected: dict[str, Expected] = Field(
         default={},
         description="what experiment/agent, experiment/agent/human or visit/human should reach; "
-        "checked where nothing but `seed` and `seeds` was overridden",
+        "checked where nothing but `seed`, `seeds` and these themselves was overridden",
     )
     figure: FigureSettings | None = Field(
         default=None,

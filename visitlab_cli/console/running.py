@@ -71,15 +71,11 @@ def run_config(out: Path, config: "Config", cells_of: "Callable[[Config], list[C
 
     Raises:
         RunError: as `run_and_tell`, or the folder can't be written.
-        ConfigError: an expected value can never be checked.
     """
-    from visitlab_cli.plan.cells import plan
     from visitlab_cli.plan.notes import notes_on
-    from visitlab_cli.results.expected import check_expected
     from visitlab_cli.storage.nearest import news_of
     from visitlab_cli.storage.run_folder import run_name
 
-    check_expected(config, plan(config))
     if not how.quiet:
         tell_all([news_of(out, config), *notes_on(cells_of(config))])
     if how.dry_run:

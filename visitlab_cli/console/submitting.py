@@ -42,7 +42,6 @@ def submit(out: Path, config: "Config", asked: Asked) -> None:
     Raises:
         UsageError: they don't fit, or something can't stand in a script.
         RunError: the folder can't be written, or the queue refuses.
-        ConfigError: an expected value can never be checked.
     """
     from visitlab_cli.console.dry_run import warn_of_hindrance
     from visitlab_cli.console.running import cores, held_run
@@ -53,7 +52,6 @@ def submit(out: Path, config: "Config", asked: Asked) -> None:
     from visitlab_cli.plan.cells import plan
     from visitlab_cli.plan.notes import notes_on
     from visitlab_cli.plugins import files
-    from visitlab_cli.results.expected import check_expected
     from visitlab_cli.storage.inside import check_inside
     from visitlab_cli.storage.nearest import news_of
     from visitlab_cli.storage.on_disk import JOBS
@@ -61,7 +59,6 @@ def submit(out: Path, config: "Config", asked: Asked) -> None:
     from visitlab_cli.whole_file import write_again
 
     cells = plan(config)
-    check_expected(config, cells)
     run = out.absolute() / run_name(config)
     missing = missing_cells(run, cells)
     seconds = seconds_in(asked.time)

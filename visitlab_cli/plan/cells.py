@@ -1,6 +1,5 @@
 """From a config to its cells: every (experiment, agent, human, vary point, model, seed), and what each waits for."""
 
-import hashlib
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
@@ -8,11 +7,12 @@ from typing import Any
 from visitlab_cli.agents.base import AgentParameters, Player
 from visitlab_cli.config.canonical import config_hash
 from visitlab_cli.config.experiment import Experiment
-from visitlab_cli.config.grid import variants
+from visitlab_cli.config.grid import Variant, variants
+from visitlab_cli.config.groups import group_of, used
 from visitlab_cli.config.model import Config
 from visitlab_cli.config.names import Module
 from visitlab_cli.plan.evaluation import AS_DECLARED, Evaluation
-from visitlab_cli.world.columns import HUMAN, MEMORY
+from visitlab_cli.world.columns import MEMORY
 from visitlab_cli.world.tasks import SOCIAL
 
 
@@ -107,43 +107,16 @@ class Cell:
 
 
 SEED, MODEL = "seed-", "model-"
-LONGEST_FOLDER_NAME = 200
-
-
-@dataclass(frozen=True)
-class _Point:
-    """One point of the grid: the values that it sets, and their names in folders, by path."""
-
-    config: Config
-    values: dict[str, Any]
-    labels: dict[str, str]
-    run_hash: str
-
-    def values_of(self, used: set[str]) -> dict[str, Any]:
-        """Those values that lie in a `used` part of the config, by path."""
-        return {
-            path: value
-            for path, value in self.values.items()
-            if any(path == part or path.startswith(part + ".") for part in used)
-        }
-
-    def labels_of(self, used: set[str]) -> str:
-        """Their names."""
-        joined = ",".join(self.labels[path] for path in self.values_of(used))
-        if len(joined) <= LONGEST_FOLDER_NAME:
-            return joined
-        return f"vary-{hashlib.sha256(joined.encode()).hexdigest()[:8]}"
 
 
 def plan(config: Config, evaluation: Evaluation | None = None) -> list[Cell]:
     """All cells of a config, each after those that it needs; with `evaluation` only those of assembled modules."""
     cells: dict[str, Cell] = {}
     run_hash = config_hash(config)
-    for variant in variants(config):
-        point = _Point(variant.config, variant.values, variant.labels, run_hash)
-        for name, settings in variant.config.experiments.items():
+    for point in variants(config):
+        for name, settings in point.config.experiments.items():
             if evaluation is None or settings.assembled:
-                for cell in _cells(point, name, evaluation or AS_DECLARED):
+                for cell in _cells(point, name, run_hash, evaluation or AS_DECLARED):
                     cells.setdefault(cell.path, cell)
     return sorted(cells.values(), key=_rank)
 
@@ -159,47 +132,22 @@ def _depth(config: Config, experiment: str) -> int:
     return 1 + max((_depth(config, start.experiment) for start in starts), default=0)
 
 
-def _cells(point: _Point, name: str, evaluation: Evaluation) -> Iterator[Cell]:
-    config = evaluation.applied(point.config, name)
-    settings = config.experiments[name]
+def _cells(declared: Variant, name: str, run_hash: str, evaluation: Evaluation) -> Iterator[Cell]:
+    config = evaluation.applied(declared.config, name)
+    settings, point = config.experiments[name], declared._replace(config=config)
     for agent in settings.trained or ("",):
         for human in evaluation.humans or settings.met or ("",):
-            used = _used(config, Module(name, agent, human))
-            labels, values = point.labels_of(used), point.values_of(used)
+            place = Module(name, agent, human)
+            group, values = group_of(point, place), point.values_of(used(config, place))
             for seed, model_seed in settings.seed_pairs(config.seeds):
                 model = f"{MODEL}{model_seed:04d}" if settings.crossed else ""
-                path = evaluation.folder + "/".join(filter(None, (name, agent, human, labels, model, _seed(seed))))
-                needed = {task: _trained_path(point, start, model_seed) for task, start in settings.starts.items()}
+                path = evaluation.folder + "/".join(filter(None, (group, model, _seed(seed))))
+                needed = {
+                    task: f"{group_of(declared, start)}/{_seed(model_seed)}" for task, start in settings.starts.items()
+                }
                 player = agent or settings.starts[SOCIAL].agent
-                yield Cell(path, config, point.run_hash, name, seed, player, human, needed, evaluation, values)
+                yield Cell(path, config, run_hash, name, seed, player, human, needed, evaluation, values)
 
 
 def _seed(seed: int) -> str:
     return f"{SEED}{seed:04d}"
-
-
-def _trained_path(point: _Point, training: Module, seed: int) -> str:
-    labels = point.labels_of(_used(point.config, training))
-    return "/".join(filter(None, (*training, labels, _seed(seed))))
-
-
-EVERY_CELL = ("seed", "record")
-INTERACTION = "interaction"
-
-
-def _used(config: Config, place: Module) -> set[str]:
-    """The parts of the config that the result of an experiment with this agent and human depends on, as dotted paths.
-
-    Those of the trained modules that it starts from are among them.
-    """
-    settings = config.experiments[place.experiment]
-    used = {f"experiments.{place.experiment}", *EVERY_CELL}
-    if place.agent:
-        parameters = config.agents[place.agent]
-        others = (getattr(parameters, reference) for reference in parameters.references)
-        used |= {f"agents.{agent}" for agent in (place.agent, *others)}
-    used |= {f"humans.{human}" for human in settings.humans_met(place.human or "")}
-    if HUMAN in settings.plays.parts:
-        used.add(INTERACTION)
-    used |= {f"labs.{lab}" for lab in settings.lab_names if lab in config.labs}
-    return used.union(*(_used(config, start) for start in settings.starts.values()))

@@ -8,12 +8,10 @@ from statistics import fmean
 from typing import Any
 
 from visitlab_cli.config.model import Config
-from visitlab_cli.errors import ConfigError
 from visitlab_cli.plan.cells import Cell
 from visitlab_cli.plan.saved import trials_of
 from visitlab_cli.results.groups import Measure, Point, groups_of, reached, unit_values
 from visitlab_cli.storage.cell_folder import read_cell
-from visitlab_cli.wording import or_else
 
 
 @dataclass(frozen=True)
@@ -86,21 +84,6 @@ def _measured(cells: Sequence[Cell], trials: Sequence[int] | None) -> tuple[str,
 def _fact(run: Path, cell: Cell, *, key: str) -> float | None:
     facts = read_cell(run / cell.path)
     return None if facts is None else facts[key]
-
-
-def check_expected(config: Config, cells: Sequence[Cell]) -> None:
-    """Nothing where each of the config's expected values can be checked, given all `cells` of its plan.
-
-    Raises:
-        ConfigError: one names no group of cells, or trials that they don't have.
-    """
-    trials = {cell.group: cell.trials for cell in cells}
-    for group, expected in config.expected.items():
-        if group not in trials:
-            hint = "; with `vary` the point belongs to the name" if config.vary else ""
-            raise ConfigError(f"expected.{group}: no such module or visit{hint}{or_else(group, list(trials))}")
-        if expected.trials is not None and expected.trials[1] > trials[group]:
-            raise ConfigError(f"expected.{group}.trials: up to {expected.trials[1]}, but there are {trials[group]}")
 
 
 def results(run: Path, config: Config, cells: Sequence[Cell]) -> list[Result]:
