@@ -14,7 +14,7 @@ from pydantic_core import PydanticUndefined, to_jsonable_python
 
 _SINCE = "since"
 WORD, SOME = "<word>", "<some>"
-"""What pydantic calls the forms of a setting that is a word or a mapping."""
+"""What pydantic calls the forms of a setting that is a word, or else a mapping or a list."""
 
 
 class Settings(BaseModel):

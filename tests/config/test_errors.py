@@ -1,8 +1,17 @@
 """Broken configs, each with its exact message."""
 
+import json
+import re
+from collections.abc import Iterator
+from typing import Any
+
 import pytest
+from pydantic import ValidationError
 
 from tests.config.lab import LAB, Complain, Load, edited
+from visitlab_cli.config.canonical import canonical
+from visitlab_cli.config.messages import issues_of
+from visitlab_cli.config.model import Config
 
 NAME_RULE = "a name has 1 to 64 of A-Z a-z 0-9 . _ - and starts with a letter or digit"
 TOP_KEYS = "agents, expected, experiments, figure, humans, include, interaction, labs, name, record, seed, seeds, vary"
@@ -212,7 +221,7 @@ ONE_LINE = [
     (
         "    task: visit",
         "    task: visit\n    goal_rooms: some",
-        "17:17: experiments.visit.goal_rooms: must be all or a list of rooms",
+        "17:17: experiments.visit.goal_rooms: must be all or a list of rooms (got 'some')",
     ),
     (
         "    task: visit",
@@ -367,3 +376,44 @@ def test_a_flood_of_mistakes_is_cut(complaint: Complain) -> None:
     lines = complaint(LAB + "".join(f"key_{n}: 1\n" for n in range(1000)))
     assert len(lines) == 51
     assert lines[-1] == "... and 950 more"
+
+
+ODD: tuple[Any, ...] = (1.5, -1, "b", None, True, {}, {"zzz": 1}, [], [1.5], ["Z", "b"], [None], [[]], [{}], 10**400)
+
+
+def _mutants(plain: Any) -> Iterator[Any]:
+    """Copies of plain values: at each place in turn something else, and in each mapping a key that there is not."""
+    if isinstance(plain, dict):
+        yield {**plain, "zzz": 1}
+        for key, inner in plain.items():
+            yield from ({**plain, key: other} for other in (*_mutants(inner), *ODD))
+    elif isinstance(plain, list):
+        for place, inner in enumerate(plain):
+            yield from ([*plain[:place], other, *plain[place + 1 :]] for other in (*_mutants(inner), *ODD))
+
+
+MORE = """
+labs: {rows: {rooms: 3 x 3, closed: [AB]}, drawn: {map: ab}}
+record: {steps: {one_trial_in: 3}}
+expected: {navigation/rmax: {value: 1, tolerance: 1, trials: [1, 2]}}
+"""
+OF_PYDANTIC = re.compile(r"[<>\[\]{}]|function|literal|tuple|union|Input|tag")
+IN_OWN_WORDS = "must be [social] or [social, navigation]"
+
+
+def test_no_message_tells_of_how_it_is_checked_or_names_keys_that_do_not_fit(loaded: Load) -> None:
+    text = (
+        edited("    humans: [human_2]", "    humans: [human_2]\n    goal_rooms: [0, 3]\n    controller: [route]") + MORE
+    )
+    plain = canonical(loaded(text))
+    found = []
+    for mutant in _mutants(plain):
+        try:
+            Config.model_validate_json(json.dumps(mutant), strict=True)
+        except ValidationError as error:
+            found += issues_of(error)
+    assert len({issue.path for issue in found}) > 50
+    for issue in found:
+        words = f"{'.'.join(map(str, issue.path))}: {issue.message.replace(IN_OWN_WORDS, '')}"
+        assert not OF_PYDANTIC.search(words), issue
+        assert len(issue.path) == 1 or "experiments" not in issue.message, issue

@@ -1,8 +1,10 @@
 """Labs as a config says them: maps and rows of rooms, in text and in files, and each mistake with its place."""
 
+import json
+
 import pytest
 
-from tests.config.lab import LAB
+from tests.config.lab import LAB, edited
 from visitlab_cli.config.canonical import canonical, config_hash, dump_yaml
 from visitlab_cli.config.experiment import lab_of
 from visitlab_cli.config.loading import load, load_text
@@ -110,7 +112,11 @@ def test_of_a_map_that_can_not_be_read_nothing_else_is_said(folder, complaint):
         ("house", "'house' is read as the map itself; is a file meant? its name has a dot or a slash"),
         ("ab, corridor: Z", "no room is called Z; there are A, B; 'ab' is read as the map itself; is a file meant?"),
         ("''", "must be a map, or the file in which it is (got '')"),
-        ('"AAabBB AAabBB\\n"', "no such file or directory; for a map as text write | before it"),
+        ("AAabBB AAabBB", "no such file or directory; for a map as text write | before it"),
+        (
+            '"AAabBB AAabBB\\n"',
+            "column 7 of it: ' '; a cell is a letter, its room's, or #, solid; for a map as text write |",
+        ),
     ],
 )
 def test_what_is_no_map_is_told_what_it_was_read_as(complaint, written, line):
@@ -239,3 +245,36 @@ def test_what_a_phase_changes_is_what_its_cells_depend_on():
     assert first is lab_of(settings)
     assert second.doors.begin == 0b10
     assert settings.parts == ("phases", "doors")
+
+
+@pytest.mark.parametrize("text", ["aabb\n", "aabb\r\n", "aabb", "\naabb", "aabb\n\n"])
+def test_a_map_of_one_row_is_one_however_its_line_ends(loaded, text):
+    assert loaded(f"labs:\n  row: {{map: {json.dumps(text)}}}\n{LAB}").labs["row"].map == "aabb"
+
+
+@pytest.mark.parametrize(
+    ("labs", "lines"),
+    [
+        ("{}", ["2:3: labs.l: must have map or rooms"]),
+        ("{mapp: ab}", ["2:3: labs.l: must have map or rooms", "2:7: labs.l.mapp: unknown; did you mean map?"]),
+        ("{corridor: Z}", ["2:3: labs.l: must have map or rooms"]),
+        ("{map: ab, rooms: 3 x 3}", ["2:16: labs.l.rooms: unknown; known: closed, corridor, like, map"]),
+        ("~", ["2:6: labs.l: must be a mapping (got nothing)"]),
+        ("5", ["2:6: labs.l: must be a mapping (got 5)"]),
+        (
+            "{like: paper}",
+            [
+                "2:13: labs.l.like: the paper's lab has no entry that another could start from; its cells and rooms "
+                "are those of rooms: 3 x 3"
+            ],
+        ),
+    ],
+)
+def test_a_lab_of_no_form_is_told_which_there_are(complaint, labs, lines):
+    assert complaint(f"labs:\n  l: {labs}\n{LAB}") == [f"lab.yaml:{line}" for line in lines]
+
+
+def test_each_lab_is_known_once(complaint):
+    text = edited("agents: [rmax, mf], steps: 100", "agents: [rmax, mf], steps: 100, lab: l")
+    told = complaint(f"labs:\n  paper: {{rooms: 3 x 3}}\n{text}")
+    assert [line.partition("; ")[2] for line in told] == ["choose another name", "known: paper"]

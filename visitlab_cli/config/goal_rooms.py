@@ -3,10 +3,11 @@
 from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BeforeValidator, WithJsonSchema
+from pydantic import AfterValidator, BeforeValidator, Discriminator, Tag, WithJsonSchema
 
 from visitlab_cli.config.labs import LabSettings, layout_called
 from visitlab_cli.config.names import PAPER_LAB
+from visitlab_cli.settings import SOME, WORD
 from visitlab_cli.wording import shown
 from visitlab_cli.world.map_faults import LETTERS, MOST_ROOMS
 
@@ -22,14 +23,14 @@ def _room(given: Any) -> int | str:
     raise ValueError(f"must be a room: its number, or its letter, A to Z (got {shown(given)})")
 
 
-def _as_rooms(given: Any) -> Any:
-    if given == ALL:
-        return ALL
-    if not isinstance(given, list | tuple):
-        raise ValueError("must be all or a list of rooms")
-    if given == []:
-        raise ValueError("must have at least 2 entries (got 0)")
-    return tuple(given)  # a tuple field takes no list from a validator
+def _form(given: Any) -> str:
+    return SOME if isinstance(given, list | tuple) else WORD
+
+
+def _word(given: Any) -> Any:
+    if given != ALL:
+        raise ValueError(f"must be all or a list of rooms (got {shown(given)})")
+    return given
 
 
 def _several(rooms: Rooms) -> Rooms:
@@ -38,8 +39,8 @@ def _several(rooms: Rooms) -> Rooms:
     for place, room in enumerate(rooms):
         if room in rooms[:place]:
             raise ValueError(f"has {room} twice")
-    if len(rooms) == 1:
-        raise ValueError("must have at least 2 entries (got 1)")
+    if len(rooms) < 2:
+        raise ValueError(f"must have at least 2 entries (got {len(rooms)})")
     return rooms
 
 
@@ -60,9 +61,10 @@ _SCHEMA = {
     ]
 }
 GoalRooms = Annotated[
-    tuple[Annotated[Any, BeforeValidator(_room)], ...] | Literal["all"],
+    Annotated[tuple[Annotated[Any, BeforeValidator(_room)], ...], Tag(SOME)]
+    | Annotated[Literal["all"], BeforeValidator(_word), Tag(WORD)],
+    Discriminator(_form),
     AfterValidator(_several),
-    BeforeValidator(_as_rooms),
     WithJsonSchema(_SCHEMA),
 ]
 

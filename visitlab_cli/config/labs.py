@@ -14,6 +14,7 @@ from visitlab_cli.world.lab import Lab, paper_lab, room_names
 from visitlab_cli.world.layout import Layout, names_of, rooms_in_rows
 from visitlab_cli.world.map_faults import MOST_CELLS_A_SIDE, MOST_ROOMS, Fault, map_faults
 
+FOLDED = "; for a map as text write | before it, which keeps its lines; > makes one of them"
 _PRODUCT = r"^[1-9][0-9]? x [1-9][0-9]?$"
 
 
@@ -32,8 +33,13 @@ def as_map(text: str) -> str:
 
 
 def is_map(text: str) -> bool:
-    """Whether a text is a map itself, and no file's name: several lines, or nothing but letters and `#`."""
-    return len(text.splitlines()) > 1 or re.fullmatch("[A-Za-z#]+", text) is not None
+    """Whether a text is a map itself, and no file's name: a line that ends, or nothing but letters and `#`."""
+    return text.splitlines() != [text] or re.fullmatch("[A-Za-z#]+", text) is not None
+
+
+def if_folded(text: str) -> str:
+    """How a message ends about a text that may be a map whose lines have become one; else nothing."""
+    return FOLDED if re.fullmatch(r"[A-Za-z#]+( [A-Za-z#]+)+\s*", text) else ""
 
 
 def _sound(text: str) -> str:
@@ -41,8 +47,9 @@ def _sound(text: str) -> str:
         raise ValueError(f"must be a map, or the file in which it is (got {shown(text)})")
     found = map_faults(as_map(text))
     if found:
+        hint = if_folded(text) if text.splitlines() != [text] else _as_file(text)
         raise MapError(
-            found if "\n" in as_map(text) else [found[0]._replace(message=found[0].message + _as_file(text))]
+            found if "\n" in as_map(text) or not hint else [found[0]._replace(message=found[0].message + hint)]
         )
     return as_map(text)
 
@@ -194,11 +201,19 @@ def _numbers(product: str) -> tuple[int, int]:
     return int(first), int(second)
 
 
-def _form(given: Any) -> str:
-    return "map" if "map" in given or isinstance(given, MapLab) else "rooms"
+FORMS = ("map", "rooms")
+"""The setting that says of which form a lab is."""
 
 
-AnyLab = Annotated[Annotated[MapLab, Tag("map")] | Annotated[RoomsLab, Tag("rooms")], Discriminator(_form)]
+def _form(given: Any) -> str | None:
+    if isinstance(given, LabSettings):
+        return FORMS[isinstance(given, RoomsLab)]
+    if not isinstance(given, Mapping):
+        return FORMS[0]  # which then says that it is no mapping
+    return next((form for form in FORMS if form in given), None)
+
+
+AnyLab = Annotated[Annotated[MapLab, Tag(FORMS[0])] | Annotated[RoomsLab, Tag(FORMS[1])], Discriminator(_form)]
 _ANY_LAB: TypeAdapter[LabSettings] = TypeAdapter(AnyLab)
 
 
@@ -249,12 +264,12 @@ def lab_from_plain(config: Mapping[str, Any], experiment: Mapping[str, Any], pha
 
 def unknown_lab(name: str, labs: Mapping[str, Any]) -> str:
     """That there is no lab of a name."""
-    return f"no lab is called {name}{or_else(name, [PAPER_LAB, *labs])}"
+    return f"no lab is called {name}{or_else(name, labs_of(labs))}"
 
 
-def labs_of(labs: Mapping[str, LabSettings]) -> list[str]:
+def labs_of(labs: Mapping[str, Any]) -> list[str]:
     """The names of all labs that a config may mean: the paper's, and those declared."""
-    return [PAPER_LAB, *labs]
+    return list(dict.fromkeys([PAPER_LAB, *labs]))
 
 
 def about_lab(name: str, labs: Mapping[str, LabSettings]) -> dict[str, Any]:

@@ -1,5 +1,6 @@
 """`like`: an entry that starts from another one of the same mapping."""
 
+from visitlab_cli.config.names import PAPER_LAB
 from visitlab_cli.kinds import KIND, UNSAID
 from visitlab_cli.wording import or_else
 from visitlab_cli.yaml.document import Node
@@ -7,6 +8,7 @@ from visitlab_cli.yaml.problems import Issue, Path, dotted
 
 LIKE = "like"
 SECTIONS = {"humans": "human", "labs": "lab", "agents": "agent"}
+NO_ENTRY = "the paper's lab has no entry that another could start from; its cells and rooms are those of rooms: 3 x 3"
 LONGEST_CHAIN = 32
 MOST_TAKEN_OVER = 20_000
 
@@ -53,7 +55,9 @@ class _Chains:
         """What the last of `chain` starts from."""
         if not isinstance(given, str) or given not in self.entries:
             others = [name for name in self.entries if name != chain[-1]]
-            self.wrong(chain, LIKE, f"no {SECTIONS[self.section]} of this name{or_else(given, others)}")
+            is_paper = self.section == "labs" and given == PAPER_LAB
+            why = NO_ENTRY if is_paper else f"no {SECTIONS[self.section]} of this name{or_else(given, others)}"
+            self.wrong(chain, LIKE, why)
         elif given in chain:
             self.wrong(chain, LIKE, f"goes round in a circle: {_arrows((*chain[chain.index(given) :], given))}")
         elif len(chain) > LONGEST_CHAIN:

@@ -1,11 +1,10 @@
 """The maps of labs that lie in files of their own: read, relative to the YAML that names them."""
 
 import os
-import re
 from dataclasses import replace
 from pathlib import Path
 
-from visitlab_cli.config.labs import is_map
+from visitlab_cli.config.labs import if_folded, is_map
 from visitlab_cli.errors import ConfigError, NotFoundError
 from visitlab_cli.wording import printable
 from visitlab_cli.yaml.document import Node, Place
@@ -14,7 +13,6 @@ from visitlab_cli.yaml.problems import Path as Keys
 from visitlab_cli.yaml.problems import Problem
 
 MOST_BYTES = 1 << 16
-FOLDED = "; for a map as text write | before it, which keeps its lines; > makes one of them"
 MOST_FILES = 256
 SECTION, MAP = "labs", "map"
 UNREAD = "\0"
@@ -57,8 +55,8 @@ def _read(name: str, given: Node, problems: list[Problem]) -> Node:
         text = content.decode("utf-8-sig")
     except (NotFoundError, ConfigError, UnicodeDecodeError) as error:
         why = f"{printable(str(file))}: not UTF-8" if isinstance(error, UnicodeDecodeError) else str(error)
-        if isinstance(error, NotFoundError) and re.fullmatch(r"[A-Za-z#]+( [A-Za-z#]+)*\s*", given.value):
-            why += FOLDED
+        if isinstance(error, NotFoundError):
+            why += if_folded(given.value)
         problems.append(Problem(given.place, (SECTION, name, MAP), why))
         return replace(given, value=UNREAD)
     blank = len(text) - len(text.lstrip("\r\n"))

@@ -4,10 +4,10 @@ from collections.abc import Iterator
 from functools import cache
 from typing import Any, Literal, get_args, get_origin
 
-from pydantic import BaseModel, ValidationError
+from pydantic import BaseModel, Tag, ValidationError
 from pydantic_core import ErrorDetails
 
-from visitlab_cli.config.labs import MapError
+from visitlab_cli.config.labs import FORMS, MapError
 from visitlab_cli.config.model import Config
 from visitlab_cli.config.names import MODULE_PATTERN, MODULE_RULE, NAME_RULE
 from visitlab_cli.kinds import KIND, UNSAID
@@ -19,7 +19,7 @@ EXTRA_KEYS: dict[str, tuple[str, ...]] = {"": ("include",), "humans": ("like",),
 """Keys that are resolved before validation."""
 
 TAGS = (WORD, SOME)
-"""Of what may be a word or a mapping."""
+"""Of what may be a word or else."""
 OF_OTHERS = "; for one of somebody else's install its package, or name its file by --plugin"
 _BOUNDS = {
     "greater_than_equal": ("at least", "ge"),
@@ -44,7 +44,9 @@ _TYPES = {
 def issues_of(error: ValidationError, model: type[Config] = Config) -> list[Issue]:
     """What pydantic found wrong with a config of the type `model`, as issues of the config."""
     found = [each for each in error.errors(include_url=False) if not _is_echo(each)]
-    return [issue for each in found for issue in (_of_map(each, model) or [_issue(each, model)])]
+    return [
+        issue for each in found for issue in (_of_map(each, model) or _of_no_form(each, model) or [_issue(each, model)])
+    ]
 
 
 def _of_map(error: ErrorDetails, config: type[Config]) -> list[Issue]:
@@ -53,6 +55,19 @@ def _of_map(error: ErrorDetails, config: type[Config]) -> list[Issue]:
     faults = cause.faults if isinstance(cause, MapError) else ()
     path = _without_tags(error["loc"], config)
     return [Issue(path, fault.message, within=(fault.line, fault.column)) for fault in faults]
+
+
+def _of_no_form(error: ErrorDetails, config: type[Config]) -> list[Issue]:
+    """What is wrong with a lab that says neither a map nor rooms, and so is of no form."""
+    path = error["loc"]
+    if error["type"] != "union_tag_not_found" or path[:-1] != ("labs",):
+        return []
+    forms = [*_models(config.model_fields["labs"].annotation)]
+    known = sorted({key for form in forms for key in keys_of(form)} | set(EXTRA_KEYS["labs"]))
+    unknown = [
+        Issue((*path, key), f"unknown{or_else(key, known)}", at="key") for key in error["input"] if key not in known
+    ]
+    return [*unknown, Issue(path, f"must have {' or '.join(FORMS)}", at="key")]
 
 
 def _is_echo(error: ErrorDetails) -> bool:
@@ -145,18 +160,26 @@ def _model_at(loc: Path, config: type[Config]) -> type[BaseModel]:
         fitting = list(_models(field.annotation if field else None))
         if not fitting and loc[0] in _tagged_sections(config):
             annotation = config.model_fields[str(loc[0])].annotation
-            fitting = [found for found in _models(annotation) if _has_tag(found, part)]
+            fitting = [found for found, tag in _tagged(annotation) if part == tag or _has_tag(found, part)]
         if len(fitting) == 1:
             model = fitting[0]
     return model
 
 
 def _models(annotation: Any) -> Iterator[type[BaseModel]]:
+    for model, _ in _tagged(annotation):
+        yield model
+
+
+def _tagged(annotation: Any, tag: str | None = None) -> Iterator[tuple[type[BaseModel], str | None]]:
+    """The models in a type, each with the tag that it is given there; None where its own fields say it."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-        yield annotation
+        yield annotation, tag
     elif get_origin(annotation) is not Literal:
-        for inner in get_args(annotation):
-            yield from _models(inner)
+        inner = get_args(annotation)
+        tags = [each.tag for each in inner if isinstance(each, Tag)]
+        for each in inner:
+            yield from _tagged(each, tags[0] if tags else tag)
 
 
 def _has_tag(model: type[BaseModel], tag: str | int) -> bool:
