@@ -73,7 +73,7 @@ def test_arrays_are_the_files(run, tiny_run):
     ):
         assert found.keys() == expected.keys()
         assert all(np.array_equal(found[name], expected[name]) for name in expected)
-    assert list(cell.steps(["reward"])) == ["reward"]
+    assert list(cell.steps(["reward"])) == list(cell.steps("reward")) == ["reward"]
     assert cell.trial(2, ["trial", "step"])["step"].tolist() == list(range(101))
 
 
@@ -133,6 +133,13 @@ def test_what_is_not_there_is_said(run, tmp_path):
     write_cell(folder, cells["navigation/mb/seed-0000"], [1.0] * 20)
     with pytest.raises(NotFoundError, match="has no log, its config records no steps"):
         visitlab_cli.load(folder).steps()
+
+
+@pytest.mark.parametrize("first", [-1, 0, 2.5, "a", None, True, np.array([3])])
+@pytest.mark.parametrize("frame", ["phases", "metrics"])
+def test_how_many_trials_are_the_first_ones_is_a_whole_number_from_1(run, frame, first):
+    with pytest.raises(UsageError, match=r"^first=.*: must be a whole number, at least 1$"):
+        getattr(run, frame)(first)
 
 
 def test_without_pandas_arrays_work_and_frames_say_what_they_need(run, monkeypatch):

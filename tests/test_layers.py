@@ -11,7 +11,7 @@ PACKAGE = Path(visitlab_cli.__file__).parent
 FLOORS = [
     {"__init__", "errors", "settings", "sources", "stopping"},
     {"kinds", "origin", "surroundings", "terminal"},
-    {"same_pictures", "whole_file", "wording"},
+    {"same_pictures", "whole_file", "whole_number", "wording"},
     {"yaml"},
     {"kernel_cache", "plugins"},
     {"compiled"},

@@ -1,5 +1,7 @@
 """`visitlab_cli.make_task`: the tasks from Python, as a run plays them."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -83,7 +85,7 @@ def test_what_is_wrong_is_told_by_the_name_of_the_argument(name, settings, told)
         visitlab_cli.make_task(name, **settings)
 
 
-@pytest.mark.parametrize("action", [-1, 25])
+@pytest.mark.parametrize("action", [-1, 25, 1.5, "1", None, True, 10**30])
 def test_an_action_that_there_is_not(action):
     task = visitlab_cli.make_task("navigation")
     random = task.random(0)
@@ -95,3 +97,51 @@ def test_an_action_that_there_is_not(action):
 def test_what_is_no_lab_is_told_as_such(lab):
     with pytest.raises(UsageError, match="lab: must be a mapping, as under labs in a config, or a map"):
         visitlab_cli.make_task("navigation", lab=lab)
+
+
+@pytest.mark.parametrize("action", [np.array([3]), np.array(1.0), [3]])
+def test_an_array_of_one_action_is_none(action):
+    task = visitlab_cli.make_task("navigation")
+    random = task.random(0)
+    with pytest.raises(UsageError, match=r"^action .*: navigation has 0 to 24$"):
+        task.step(task.begin(random), action, random)
+
+
+@pytest.mark.parametrize("seed", [-1, 1.5, "1", None])
+def test_a_seed_is_a_whole_number(seed):
+    with pytest.raises(UsageError, match=r"^seed .*: must be a whole number, at least 0$"):
+        visitlab_cli.make_task("navigation").random(seed)
+
+
+NO_TABLES = {
+    "some that are not finite": np.full((5184, 25), np.nan),
+    "complex128": np.zeros((5184, 25), complex),
+    "object": [[1], [1, 2]],
+    "<U1": "x",
+    "(3, 25)": np.zeros((3, 25)),
+}
+
+
+@pytest.mark.parametrize("got", NO_TABLES)
+def test_what_is_no_table_of_finite_numbers_is_told_as_such(got):
+    line = f"tables: the Q of navigation must be finite numbers of shape (5184, 25) (got {got})"
+    with pytest.raises(UsageError, match=f"^{re.escape(line)}$"):
+        visitlab_cli.make_task("visit", human=HUMAN, tables={**TABLES, "navigation": NO_TABLES[got]})
+
+
+@pytest.mark.parametrize(
+    ("name", "settings", "told"),
+    [
+        ("social", {"human": "human_2"}, r"^human: must be a mapping, as under humans in a config \(got 'human_2'\)$"),
+        ("social", {"human": HUMAN, "distances": 3}, "^distances: must be a list"),
+        (
+            "visit",
+            {"human": HUMAN, "tables": TABLES, "goal_rooms": None},
+            "^goal_rooms: must be all or a list of rooms",
+        ),
+        ("visit", {"human": HUMAN, "tables": [1]}, "^tables: must have navigation of shape"),
+    ],
+)
+def test_an_argument_of_another_type_is_told_by_its_name(name, settings, told):
+    with pytest.raises(UsageError, match=told):
+        visitlab_cli.make_task(name, **settings)

@@ -7,8 +7,6 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from visitlab_cli.config.canonical import canonical
 from visitlab_cli.errors import NotFoundError, UsageError
 from visitlab_cli.log.reader import Columns, read_steps, read_trial
@@ -27,6 +25,7 @@ from visitlab_cli.storage.arrays import Arrays
 from visitlab_cli.storage.cell_folder import STEPS, read_cell
 from visitlab_cli.storage.made_by import sources_of
 from visitlab_cli.storage.run_folder import find_run, read_config, read_versions
+from visitlab_cli.whole_number import whole_number
 from visitlab_cli.wording import or_else
 
 
@@ -64,7 +63,7 @@ class LoadedCell:
         return model_in(self._run, self._planned)
 
     def steps(self, columns: Sequence[str] | None = None) -> Columns:
-        """The recorded steps: the log's columns, or those asked for, each of shape (steps,), enums as numbers."""
+        """The recorded steps: the log's columns, or the one or those asked for, of shape (steps,), enums as numbers."""
         return read_steps(self.folder / STEPS, columns)
 
     def trial(self, number: int, columns: Sequence[str] | None = None) -> Columns:
@@ -74,9 +73,10 @@ class LoadedCell:
             UsageError: `number` is none.
             NotFoundError: the trial is not recorded.
         """
-        if not isinstance(number, int | np.integer):
+        whole = whole_number(number)
+        if whole is None:
             raise UsageError(f"trial {number!r}: must be a number")
-        return read_trial(self.folder / STEPS, number, columns)
+        return read_trial(self.folder / STEPS, whole, columns)
 
 
 @dataclass(frozen=True)
@@ -130,7 +130,14 @@ class LoadedRun:
         return self._frame(model_of, wanted)
 
     def phases(self, first: int = FIRST, **wanted: str | int) -> Any:
-        """A data frame with a row for each group and phase: what `visitlab compare --by phase` shows."""
+        """A data frame with a row for each group and phase: what `visitlab compare --by phase` shows.
+
+        `first`, from 1, is how many trials of a phase are its first ones.
+
+        Raises:
+            UsageError: `first` is no such number, or there is another keyword.
+            NotFoundError: there is no such cell.
+        """
         chosen = {cell.path for cell in self.select(**wanted)}
         found = phase_results(self.path, [cell for cell in self._plan if cell.path in chosen], first)
         return _pandas().DataFrame([each.as_row() for each in found])
@@ -139,6 +146,9 @@ class LoadedRun:
         """A data frame with a row for each group and metric: what `visitlab metrics` shows (docs/metrics.md).
 
         Where there are phases, a row for the `first` trials of each and one for the rest; of a `human` those with it.
+
+        Raises:
+            UsageError, NotFoundError: as `phases`.
         """
         human = str(wanted.pop("human", ""))
         chosen = {cell.path for cell in self.select(**wanted)}

@@ -4,14 +4,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
 import numpy.typing as npt
 
 from visitlab_cli.config.experiment import Site, lab_of
-from visitlab_cli.config.one_task import one_task
+from visitlab_cli.config.one_task import one_task, q_table
 from visitlab_cli.errors import UsageError
 from visitlab_cli.random_numbers import RandomState, random_state
-from visitlab_cli.wording import or_else
+from visitlab_cli.whole_number import whole_number
+from visitlab_cli.wording import or_else, printable, shown
 from visitlab_cli.world.columns import ENGAGEMENT
 from visitlab_cli.world.geometry import DISTANCES
 from visitlab_cli.world.scene import NOWHERE, Scene
@@ -42,8 +42,15 @@ class PlayableTask:
     trial_steps: int
 
     def random(self, seed: int) -> RandomState:
-        """A stream of random numbers, which the other methods draw from and so change: shape (4,)."""
-        return random_state(seed, "task", self.about.name)
+        """A stream of random numbers, which the other methods draw from and so change: shape (4,).
+
+        Raises:
+            UsageError: `seed` is no whole number from 0.
+        """
+        root = whole_number(seed)
+        if root is None or root < 0:
+            raise UsageError(f"seed {shown(seed)}: must be a whole number, at least 0")
+        return random_state(root, "task", self.about.name)
 
     def begin(self, random: RandomState, last: Scene = NOWHERE) -> Scene:
         """The scene that a trial begins in; a visit carries goal room and direction over from the `last` trial's."""
@@ -56,9 +63,10 @@ class PlayableTask:
         Raises:
             UsageError: there is no such action.
         """
-        if not 0 <= action < self.n_actions:
-            raise UsageError(f"action {action}: {self.about.name} has 0 to {self.n_actions - 1}")
-        after, reward, _ = step(self.record, scene, int(action), random)
+        number = whole_number(action)
+        if number is None or not 0 <= number < self.n_actions:
+            raise UsageError(f"action {printable(str(action))}: {self.about.name} has 0 to {self.n_actions - 1}")
+        after, reward, _ = step(self.record, scene, number, random)
         return after, float(reward)
 
     def observe(self, scene: Scene) -> int:
@@ -89,7 +97,7 @@ def make_task(
     Raises:
         UsageError: there is no such task, or a setting is missing, unknown or wrong; a line for each.
     """
-    if task not in TASKS:
+    if not isinstance(task, str) or task not in TASKS:
         raise UsageError(f"{task}: no such task{or_else(task, list(TASKS))}")
     about = TASKS[task]
     if about.has(ENGAGEMENT) != (human is not None):
@@ -102,10 +110,11 @@ def make_task(
     made, thresholds, met = one_task(task, settings, distances, human, lab=lab)
     place = lab_of(made)
     asked = {name: tuple(TASKS[name].size(place)) for name in made.steering}
-    given = {name: np.ascontiguousarray(table, np.float64) for name, table in (tables or {}).items()}
-    if {name: table.shape for name, table in given.items()} != asked:
+    told: Mapping[str, npt.ArrayLike] = {} if tables is None else tables
+    if not isinstance(told, Mapping) or set(told) != set(asked):
         wanted = " and ".join(f"{name} of shape {shape}" for name, shape in asked.items())
         raise UsageError(f"tables: must have {wanted or 'nothing'} in {task}")
+    given = {name: q_table("tables", name, told[name], shape) for name, shape in asked.items()}
     size = about.size(place)
     record = made.task_in(Site(place, met and met.create(), thresholds, given))
     return PlayableTask(about, record, size.n_states, size.n_actions, made.trial_steps)

@@ -208,6 +208,9 @@ def test_a_copy_has_the_same_future_and_leaves_the_original_alone(again):
         (VISIT, {"goal_rooms": [1]}, "goal_rooms: must have at least 2 entries (got 1)"),
         (GO_TO_HUMAN, {"success": "glance"}, "success: must be facing or seen (got 'glance')"),
         (NAVIGATION, {"observation": "dct"}, "observation='dct': there is none; did you mean dict?"),
+        (NAVIGATION, {"full_info": "x"}, "full_info='x': must be True or False"),
+        (VISIT, {"goal_rooms": None}, "goal_rooms: must be all or a list of rooms (got nothing)"),
+        (SOCIAL, {"distances": None}, "distances: must be a list (got nothing)"),
     ],
 )
 def test_wrong_settings_are_told_as_a_configs_are(name, settings, line):
@@ -216,9 +219,22 @@ def test_wrong_settings_are_told_as_a_configs_are(name, settings, line):
     assert str(error.value).startswith(line)
 
 
-def test_modules_of_another_size():
-    with pytest.raises(UsageError, match=r"the Q of navigation must be finite numbers of shape \(5184, 25\), not"):
-        gymnasium.make(VISIT, modules={"navigation": np.zeros((3, 25))})
+@pytest.mark.parametrize(
+    ("table", "got"), [(np.zeros((3, 25)), r"\(3, 25\)"), (np.full((5184, 25), np.nan), "some that are not finite")]
+)
+def test_modules_that_are_no_tables_of_finite_numbers(table, got):
+    told = rf"^modules: the Q of navigation must be finite numbers of shape \(5184, 25\) \(got {got}\)$"
+    with pytest.raises(UsageError, match=told):
+        gymnasium.make(VISIT, modules={"navigation": table})
+
+
+def test_modules_that_are_no_mapping():
+    with pytest.raises(UsageError, match=r"^modules: must be a mapping, .* \(got 3\)$"):
+        gymnasium.make(VISIT, modules=3)
+
+
+def test_a_map_of_one_row_is_a_lab():
+    assert made(NAVIGATION, lab="ab\n").unwrapped.lab.n_rooms == 2
 
 
 def test_wrong_calls():
@@ -226,11 +242,14 @@ def test_wrong_calls():
     with pytest.raises(ResetNeeded):
         environment.step(0)
     environment.reset(seed=0)
-    for action in (-1, 30):
+    for action in (-1, 30, 1.5, "1", None):
         with pytest.raises(InvalidAction, match=f"action {action}: must be from 0 to 29"):
             environment.step(action)
     with pytest.raises(UsageError, match="no option 'cel'; did you mean cell"):
         environment.reset(options={"cel": "social/mf/human_2/seed-0000"})
+    for cell in ("x", 3, "", "seed-0000", "social/mf/human_2", "../social/seed-0000", ["social/mf/seed-0000"]):
+        with pytest.raises(UsageError, match="must be a cell's path, such as social/mb/human_2/seed-0000"):
+            environment.reset(seed=0, options={"cell": cell})
     with pytest.raises(UsageError, match="needs its config's seed"):
         environment.reset(options={"cell": "social/mf/human_2/seed-0000"})
 

@@ -1,8 +1,11 @@
 """One task of plain values, checked as a config's experiment is: what those say who play it from Python."""
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
 
 from visitlab_cli.config.experiment import Experiment
 from visitlab_cli.config.loading import load_text
@@ -50,6 +53,9 @@ def one_task(
     experiments[SOCIAL] |= {"humans": [HUMAN]}
     if lab is not None and not isinstance(lab, str | Mapping):
         raise UsageError(f"lab: must be a mapping, as under labs in a config, or a map (got {shown(lab)})")
+    for entry in (*(others or {}).values(), *(() if human is None else (human,))):
+        if not isinstance(entry, Mapping):
+            raise UsageError(f"human: must be a mapping, as under humans in a config (got {shown(entry)})")
     labs: dict[str, Any] = {}
     if lab is not None:
         labs = {LAB: {"map": lab} if isinstance(lab, str) else dict(lab)}
@@ -68,7 +74,7 @@ def one_task(
         "labs": labs,
         "humans": {**(others or {}), **({} if human is None else {HUMAN: dict(human)})},
         "experiments": experiments,
-        "interaction": {"distances": list(distances)},
+        "interaction": {"distances": [*distances] if isinstance(distances, Iterable) else distances},
     }
     try:
         checked = load_text(json.dumps(config), NAME)
@@ -79,6 +85,23 @@ def one_task(
         raise UsageError(f"settings must be plain values, as YAML has them: {error}") from None
     met = checked.humans[HUMAN] if TASKS[task].has(ENGAGEMENT) else None
     return OneTask(checked.experiments[task], checked.interaction.distances, met)
+
+
+def q_table(argument: str, module: str, given: Any, shape: tuple[int, ...]) -> npt.NDArray[np.float64]:
+    """What a module has learned, of shape (states, actions), as `argument` has it.
+
+    Raises:
+        UsageError: it is no table of finite numbers of that shape.
+    """
+    try:
+        table = np.asarray(given)
+    except ValueError:
+        table = np.array(None)
+    is_real = table.dtype.kind in "iuf"
+    if not is_real or table.shape != shape or not np.isfinite(table).all():
+        got = table.dtype if not is_real else table.shape if table.shape != shape else "some that are not finite"
+        raise UsageError(f"{argument}: the Q of {module} must be finite numbers of shape {shape} (got {got})")
+    return np.ascontiguousarray(table, np.float64)
 
 
 def _in_words(problem: Mapping[str, Any]) -> str:

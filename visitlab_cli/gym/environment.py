@@ -17,8 +17,9 @@ from visitlab_cli.gym.observations import ONE, STATE, observation_of
 from visitlab_cli.gym.places import PLACES
 from visitlab_cli.gym.rendering import FRAMES_PER_SECOND, RENDER_MODES, Rendering
 from visitlab_cli.gym.streams import WORDS, derived
+from visitlab_cli.plan.cells import is_cell
 from visitlab_cli.random_numbers import RandomState, random_state
-from visitlab_cli.wording import or_else
+from visitlab_cli.wording import or_else, shown
 from visitlab_cli.world.enums import Action
 from visitlab_cli.world.lab import Lab
 
@@ -79,7 +80,7 @@ class Environment(gymnasium.Env[Any, int]):
             options: `cell`, the path of a cell of a run: `seed` is its config's, and the stream the cell's own.
 
         Raises:
-            UsageError: there is no such option, or a cell without a seed.
+            UsageError: there is no such option, no cell is called so, or there is a cell without a seed.
         """
         cell = _cell_in(options)
         if cell is not None and seed is None:
@@ -99,7 +100,10 @@ class Environment(gymnasium.Env[Any, int]):
             gymnasium.error.InvalidAction: there is no such action.
             gymnasium.error.ResetNeeded: no episode has begun, or its time is up.
         """
-        told = step_one(self._episodes, index(action))
+        try:
+            told = step_one(self._episodes, index(action))
+        except TypeError:
+            raise self._refused(NO_SUCH_ACTION, action) from None
         if told[0] < 0:
             raise self._refused(told[0], action)
         seen, info = self._seen(told, action)
@@ -153,4 +157,6 @@ def _cell_in(options: dict[str, Any] | None) -> str | None:
         if name not in OPTIONS:
             raise UsageError(f"reset: no option {name!r}{or_else(str(name), OPTIONS)}")
     cell = (options or {}).get(CELL)
-    return None if cell is None else str(cell)
+    if cell is not None and not (isinstance(cell, str) and is_cell(cell)):
+        raise UsageError(f"reset: cell={shown(cell)}: must be a cell's path, such as social/mb/human_2/seed-0000")
+    return cell

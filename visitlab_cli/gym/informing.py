@@ -6,8 +6,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from visitlab_cli.errors import UsageError
 from visitlab_cli.gym.episodes import COLUMN, Integers, Told
 from visitlab_cli.gym.observations import ALL, ONE
+from visitlab_cli.wording import shown
 from visitlab_cli.world.columns import ENGAGEMENT, GOAL, HUMAN, MODULES
 from visitlab_cli.world.tasks import Task
 
@@ -20,7 +22,13 @@ class Informing:
     """Makes the `info` of a task."""
 
     def __init__(self, task: Task, *, full_info: bool) -> None:
-        """With the whole scene, if that is wanted."""
+        """With the whole scene, if that is wanted.
+
+        Raises:
+            UsageError: it is not said whether.
+        """
+        if not isinstance(full_info, bool | np.bool_):
+            raise UsageError(f"full_info={shown(full_info)}: must be True or False")
         self._told = [(name, place) for name, (place, part) in TOLD.items() if task.has(part)]
         names = [column.name for column in task.columns if full_info and column.name in COLUMN and column.name != LEVEL]
         names += ["engagement"] if full_info and task.has(ENGAGEMENT) else []

@@ -1,6 +1,6 @@
 """What an environment plays: a task's record made of settings, which are checked as those of a config are."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -8,11 +8,12 @@ import numpy.typing as npt
 
 from visitlab_cli.config.experiment import Experiment, Site, lab_of
 from visitlab_cli.config.goal_rooms import ALL
-from visitlab_cli.config.one_task import one_task
+from visitlab_cli.config.one_task import one_task, q_table
 from visitlab_cli.errors import UsageError
 from visitlab_cli.exact.models import go_to_human_mean_q
 from visitlab_cli.exact.navigation import navigation_optimal_q
 from visitlab_cli.gym.humans import HUMAN_2, entry_and_record, shipped_humans
+from visitlab_cli.wording import shown
 from visitlab_cli.world.geometry import DISTANCES
 from visitlab_cli.world.lab import Lab, paper_lab
 from visitlab_cli.world.social import ARENA, DIRECTION_CHANGE
@@ -108,13 +109,13 @@ def visit(
         UsageError: a setting is wrong.
     """
     entry, record = entry_and_record(human)
-    rooms = goal_rooms if isinstance(goal_rooms, str) else [*goal_rooms]
+    rooms = [*goal_rooms] if isinstance(goal_rooms, Iterable) and not isinstance(goal_rooms, str) else goal_rooms
     wanted = {"trial_steps": trial_steps, "goal_rooms": rooms}
     settings, thresholds, met = one_task(VISIT, wanted, distances, entry, shipped_humans(), _said(lab))
     place = _lab(lab, settings)
-    if isinstance(lab, Lab) and goal_rooms == ALL:
+    if isinstance(lab, Lab) and rooms == ALL:
         settings = settings.model_copy(update={"goal_rooms": ALL})
-    tables = _tables(modules or {}, place, thresholds)
+    tables = _tables({} if modules is None else modules, place, thresholds)
     made = settings.task_in(Site(place, record or (met and met.create()), thresholds, tables))
     return Place(TASKS[VISIT], made, place, place, thresholds)
 
@@ -141,15 +142,14 @@ def _tables(
     given: Mapping[str, npt.ArrayLike], lab: Lab, distances: tuple[int, ...]
 ) -> dict[str, npt.NDArray[np.float64]]:
     tables = {}
+    if not isinstance(given, Mapping):
+        raise UsageError(f"modules: must be a mapping, the Q of {NAVIGATION} and of {GO_TO_HUMAN} (got {shown(given)})")
     for name in given:
         if name not in (NAVIGATION, GO_TO_HUMAN):
             raise UsageError(f"modules: has {name!r}; there are {NAVIGATION} and {GO_TO_HUMAN}")
     for name in (NAVIGATION, GO_TO_HUMAN):
         if name in given:
-            table, shape = np.ascontiguousarray(given[name], np.float64), tuple(TASKS[name].size(lab))
-            if table.shape != shape or not np.isfinite(table).all():
-                raise UsageError(f"modules: the Q of {name} must be finite numbers of shape {shape}, not {table.shape}")
-            tables[name] = table
+            tables[name] = q_table("modules", name, given[name], tuple(TASKS[name].size(lab)))
         else:
             exact = navigation_optimal_q(GAMMA, lab) if name == NAVIGATION else None
             tables[name] = go_to_human_mean_q(GAMMA, "facing", distances, lab) if exact is None else exact

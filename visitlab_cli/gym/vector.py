@@ -20,6 +20,8 @@ from visitlab_cli.gym.informing import LESSON, NEW_GOAL, NEW_LEVEL, Informing
 from visitlab_cli.gym.observations import ALL, STATE, observation_of
 from visitlab_cli.gym.places import PLACES
 from visitlab_cli.gym.streams import WORDS, derived
+from visitlab_cli.whole_number import whole_number
+from visitlab_cli.wording import shown
 from visitlab_cli.world.tasks import GO_TO_HUMAN, NAVIGATION, SOCIAL, VISIT
 
 Array = npt.NDArray[Any]
@@ -48,9 +50,10 @@ class Lanes(VectorEnv[Any, Array, Array]):
     ) -> None:
         if render_mode is not None:
             raise UsageError('lanes are not rendered: gymnasium.make_vec(..., vectorization_mode="sync") renders each')
-        if num_envs < 1:
-            raise UsageError(f"num_envs={num_envs}: must be at least 1")
-        self.num_envs = num_envs
+        number = whole_number(num_envs)
+        if number is None or number < 1:
+            raise UsageError(f"num_envs={shown(num_envs)}: must be a whole number, at least 1")
+        self.num_envs = num_envs = number
         place = PLACES[self.task](**settings)
         self._n_actions = n_actions = place.task.size(place.world).n_actions
         self._observation = observation_of(observation, place.task, place.world)

@@ -186,6 +186,7 @@ def _recorded(log: Log, found: Found) -> str:
 def _names(path: Path, log: Log, columns: Sequence[str] | None) -> tuple[str, ...]:
     """The names of the columns that are asked for, each known."""
     known = log.step_layout.fields
+    columns = (columns,) if isinstance(columns, str) else columns
     for name in columns or ():
         if name not in known:
             raise UsageError(f"{path}: its steps have no column {name}{or_else(name, known)}")

@@ -1,5 +1,6 @@
 """From a config to its cells: every (experiment, agent, human, vary point, model, seed), and what each waits for."""
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
@@ -147,6 +148,12 @@ def _cells(declared: Variant, name: str, run_hash: str, evaluation: Evaluation) 
                 }
                 player = agent or settings.starts[SOCIAL].agent
                 yield Cell(path, config, run_hash, name, seed, player, human, needed, evaluation, values)
+
+
+def is_cell(path: str) -> bool:
+    """Whether a cell of some run may have this path: names, or points of a grid, and a seed."""
+    part = r"[A-Za-z0-9][A-Za-z0-9._,=-]*"
+    return re.fullmatch(rf"({part}/)+{SEED}[0-9]{{4,}}", path) is not None
 
 
 def _seed(seed: int) -> str:

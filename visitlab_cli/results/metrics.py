@@ -20,7 +20,7 @@ from visitlab_cli.plan.saved import model_of
 from visitlab_cli.results.estimates import Estimate, mean_of
 from visitlab_cli.results.groups import Group, groups_of
 from visitlab_cli.results.own_models import met
-from visitlab_cli.results.phases import FIRST
+from visitlab_cli.results.phases import FIRST, checked_first
 from visitlab_cli.results.units import Units, by_unit
 from visitlab_cli.results.ways import distances_to
 from visitlab_cli.storage.cell_folder import STEPS, read_cell
@@ -285,8 +285,10 @@ def group_metrics(run: Path, cells: Sequence[Cell], first: int = FIRST, human: s
 
     Raises:
         NotFoundError: there is no such cell.
+        UsageError: `first` is no whole number from 1.
         RunError: a log is damaged.
     """
+    first = checked_first(first)
     wanted = [cell for cell in cells if human in ("", cell.human, *cell.humans)]
     social = [cell for cell in wanted if cell.settings.plays.has(ENGAGEMENT)]
     done = [cell for cell in social if read_cell(run / cell.path) is not None]

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from visitlab_cli.errors import NotFoundError
+from visitlab_cli.errors import NotFoundError, UsageError
 from visitlab_cli.plan.cells import Cell
 from visitlab_cli.plan.saved import trials_of
 from visitlab_cli.results.estimates import Estimate, mean_of
@@ -15,6 +15,8 @@ from visitlab_cli.results.groups import Group, groups_of
 from visitlab_cli.results.trained import trained_with
 from visitlab_cli.results.units import Units, by_unit
 from visitlab_cli.storage.cell_folder import read_cell
+from visitlab_cli.whole_number import whole_number
+from visitlab_cli.wording import shown
 
 Floats = npt.NDArray[np.float64]
 
@@ -74,6 +76,18 @@ class PhaseResult(NamedTuple):
         return {**told.pop("point"), **told}
 
 
+def checked_first(first: Any) -> int:
+    """How many trials of a phase are its first ones, as an int.
+
+    Raises:
+        UsageError: it is no whole number from 1.
+    """
+    number = whole_number(first)
+    if number is None or number < 1:
+        raise UsageError(f"first={shown(first)}: must be a whole number, at least 1")
+    return number
+
+
 def phase_results(run: Path, cells: Sequence[Cell], first: int = FIRST) -> list[PhaseResult]:
     """Each phase of each group of a run's finished cells that has phases; an empty list where none has.
 
@@ -83,8 +97,10 @@ def phase_results(run: Path, cells: Sequence[Cell], first: int = FIRST) -> list[
         first: how many trials are a phase's first ones, fewer where it has no more.
 
     Raises:
+        UsageError: `first` is no such number.
         RunError: a table of trials is damaged.
     """
+    first = checked_first(first)
     done = [cell for cell in cells if cell.settings.phases and read_cell(run / cell.path) is not None]
     return [result for group in groups_of(done) for result in _of_group(run, group, first)]
 
