@@ -47,6 +47,8 @@ def new_file(path: Path) -> Iterator[Path]:
 def new_folder(path: Path) -> Iterator[Path]:
     """A path to make a folder at, of the name of `path`, whose place it takes at the end of the block.
 
+    The folders that `path` lies in are made where they are not there.
+
     Raises:
         UsageError: `path` exists.
         RunError: it can't be written.
@@ -56,7 +58,7 @@ def new_folder(path: Path) -> Iterator[Path]:
     path = check_ours(path)
     beside = path.absolute().with_name(f".tmp-{uuid.uuid4().hex[:8]}-{path.name[-100:]}")
     try:
-        beside.mkdir()
+        beside.mkdir(parents=True)
         yield beside / path.name
         os.rename(beside / path.name, path)
     except OSError as error:

@@ -12,7 +12,7 @@ from visitlab_cli.config.loading import load
 from visitlab_cli.console import matrix
 from visitlab_cli.console.matrix import planned_cells
 from visitlab_cli.console.running import How
-from visitlab_cli.errors import RunError, UsageError
+from visitlab_cli.errors import NotFoundError, RunError, UsageError
 
 LAB = """
 name: lab
@@ -144,14 +144,24 @@ def test_what_there_is_to_do_is_told_and_nothing_written(run):
         (["--matrix", "--frozen"], "leave out --frozen"),
         (["--picture", "x.svg"], "add --matrix"),
         (["--matrix", "--picture", "x.jpg"], r"must end in \.svg, \.png, \.pdf"),
-        (["--matrix", "--human", "fats"], r"did you mean fast\?"),
-        (["--matrix", "--experiment", "visit_off"], r"did you mean visit_on\?"),
-        (["--experiment", "social"], "declares no such visit"),
         (["--matrix", "--quiet", "--verbose"], "choose one"),
     ],
 )
 def test_wrong_usage_is_refused(run, options, words):
     with pytest.raises(UsageError, match=words):
+        in_this_process("eval", run, *options)
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["--matrix", "--human", "fats"], r"did you mean fast\?"),
+        (["--matrix", "--experiment", "visit_off"], r"did you mean visit_on\?"),
+        (["--experiment", "social"], "declares no such visit"),
+    ],
+)
+def test_whom_a_run_does_not_have_is_not_found(run, options, words):
+    with pytest.raises(NotFoundError, match=words):
         in_this_process("eval", run, *options)
 
 

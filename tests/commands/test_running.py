@@ -254,7 +254,7 @@ def test_bad_input_is_one_line(tmp_path, arguments, code, line):
 def test_an_undeclared_human_is_named(tiny_run):
     done = visitlab("eval", tiny_run, "--human", "fst")
     line = "--human fst: the run's config declares no such human; did you mean fast?"
-    assert (done.returncode, told(done)) == (2, line)
+    assert (done.returncode, told(done)) == (5, line)
 
 
 def test_a_folder_that_cannot_be_made(tmp_path):

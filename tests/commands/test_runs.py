@@ -244,7 +244,7 @@ def test_compare_by_agent(lab):
     (told,) = json_of("compare", lab, "--by", "agent")["pairs"]
     assert (told["difference"], told["n"], told["probability_of_improvement"]) == (5.0, 2, 1.0)
     code, _, err = tell("compare", lab, "--by", "agents.mf.alpa")
-    assert (code, err) == (2, "--by agents.mf.alpa: the run has no such key; known: agent, human, experiment\n")
+    assert (code, err) == (5, "--by agents.mf.alpa: the run has no such key; known: agent, human, experiment\n")
     assert tell("compare", lab, lab, "--by", "agent")[0] == 2
 
 

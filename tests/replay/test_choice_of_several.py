@@ -70,7 +70,11 @@ def test_what_varies_chooses(run, choose):
     ("at", "error", "line"),
     [
         ("agents.mf.alpha", UsageError, "--at agents.mf.alpha: must be PATH=VALUE, such as agents.mb.epsilon=0.1"),
-        ("agents.mf.alpa=1", UsageError, "--at agents.mf.alpa: does not vary in {run}; did you mean agents.mf.alpha?"),
+        (
+            "agents.mf.alpa=1",
+            NotFoundError,
+            "--at agents.mf.alpa: does not vary in {run}; did you mean agents.mf.alpha?",
+        ),
         ("agents.mf.alpha=0.7", NotFoundError, "{run}: never at agents.mf.alpha=0.7; known: 0.2, 0.5"),
     ],
 )

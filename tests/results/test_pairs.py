@@ -5,7 +5,7 @@ import math
 import pytest
 
 from tests.results.runs_by_hand import open_lab, reach, write_cell
-from visitlab_cli.errors import NotFoundError, UsageError
+from visitlab_cli.errors import NotFoundError
 from visitlab_cli.results.pairs import compare_by, compare_runs
 
 
@@ -205,7 +205,7 @@ def test_visits_with_phases_are_compared_phase_by_phase(tmp_path):
     ]
     assert {pair.as_json()["measure"] for pair in pairs} == {"goals a trial, all of the phase"}
     assert [pair.where for pair in compare_by(run, plan, "experiment", 1).pairs] == ["fast phase 1"]
-    with pytest.raises(UsageError, match="the run has no such key; known: agent, human, experiment, phase$"):
+    with pytest.raises(NotFoundError, match="the run has no such key; known: agent, human, experiment, phase$"):
         compare_by(run, plan, "fooled")
 
 
@@ -260,7 +260,7 @@ def test_agents_are_compared_in_one_phase(tmp_path):
     assert (pair.where, pair.first.name, pair.second.name) == ("swap fast phase 1", "mb", "mf")
     assert (pair.first.mean, pair.second.mean, pair.part) == (1.0, pytest.approx(7 / 3), "all of the phase")
     assert pair.difference.half > 0
-    with pytest.raises(UsageError, match="--phase 2: the run has none such; phases are 0 to 1"):
+    with pytest.raises(NotFoundError, match="--phase 2: the run has none such; phases are 0 to 1"):
         compare_by(run, plan, "agent", 2)
     with pytest.raises(NotFoundError, match="nothing that is done differs in human alone"):
         compare_by(run, plan, "human", 1)
@@ -297,7 +297,7 @@ def test_two_runs_are_paired_where_their_random_numbers_are_the_same(tmp_path):
 def test_what_cannot_be_compared_is_said(tmp_path):
     run, cells = open_lab(tmp_path)
     plan = reach(run, cells, values("navigation/mb", [1, 2]))
-    with pytest.raises(UsageError, match="--by agnet: the run has no such key; did you mean agent?"):
+    with pytest.raises(NotFoundError, match="--by agnet: the run has no such key; did you mean agent?"):
         compare_by(run, plan, "agnet")
     with pytest.raises(NotFoundError, match="nothing that is done differs in agent alone"):
         compare_by(run, plan, "agent")

@@ -13,6 +13,7 @@ from visitlab_cli.console.unread import tell_unread
 from visitlab_cli.terminal import tell, tell_json, tell_text
 
 if TYPE_CHECKING:
+    from visitlab_cli.plan.cells import Cell
     from visitlab_cli.plan.selection import Selection
 
 
@@ -103,14 +104,15 @@ def command(
         check_ours(picture)
     _check_options(threshold or [], trials, intents=intents, models=models)
     folder = find_run(run, out)
+    cells = plan(read_config(folder))
     selection = Selection(experiment, human, agent, seed, tuple(at or ()))
+    selection.of(folder, cells)  # else what it names is not there
     if intents:
-        _tell_intents(folder, selection, threshold, trials, picture, as_json=as_json)
+        _tell_intents(folder, cells, selection, threshold, trials, picture, as_json=as_json)
         return
     if models:
-        _tell_models(folder, replace(selection, seed=seed or 0), picture, as_json=as_json)
+        _tell_models(folder, cells, replace(selection, seed=seed or 0), picture, as_json=as_json)
         return
-    cells = plan(read_config(folder))
     of_seed = replace(selection, seed=seed or 0)
     found = affordances(folder, cells, of_seed)
     tell_unread(folder, [cell for cell in cells if of_seed.matches(cell) and cell.settings.plays.has(ENGAGEMENT)])
@@ -138,14 +140,13 @@ def _check_options(thresholds: Sequence[float], trials: int | None, *, intents: 
             raise UsageError(f"--threshold {each:g}: must be a probability above 0")
 
 
-def _tell_models(folder: Path, selection: "Selection", picture: Path | None, *, as_json: bool) -> None:
+def _tell_models(
+    folder: Path, cells: "Sequence[Cell]", selection: "Selection", picture: Path | None, *, as_json: bool
+) -> None:
     from visitlab_cli.affordances.several import as_json as to_json
     from visitlab_cli.affordances.several import several_models
     from visitlab_cli.console.affordances import models_text
-    from visitlab_cli.plan.cells import plan
-    from visitlab_cli.storage.run_folder import read_config
 
-    cells = plan(read_config(folder))
     found = several_models(folder, cells, selection)
     of_it = [cell for cell in cells if cell.experiment == found.cell.experiment]
     tell_unread(folder, [cell for cell in of_it if selection.matches(cell)])
@@ -162,6 +163,7 @@ def _tell_models(folder: Path, selection: "Selection", picture: Path | None, *, 
 
 def _tell_intents(
     folder: Path,
+    cells: "Sequence[Cell]",
     selection: "Selection",
     thresholds: Sequence[float] | None,
     trials: int | None,
@@ -172,8 +174,6 @@ def _tell_intents(
     from visitlab_cli.affordances.restricted import THRESHOLDS, TRIALS, restricted
     from visitlab_cli.affordances.restricted import as_json as to_json
     from visitlab_cli.console.affordances import intents_text
-    from visitlab_cli.plan.cells import plan
-    from visitlab_cli.storage.run_folder import read_config
 
     if picture is not None:
         from visitlab_cli.affordances.intents_picture import save_intents
@@ -181,13 +181,11 @@ def _tell_intents(
 
         check_ending(picture)
     trials = trials or TRIALS
-    config = read_config(folder)
-    cells = plan(config)
     found = restricted(folder, cells, selection, sorted(set(thresholds or THRESHOLDS)), trials)
     groups = {each.group for each in found}
     tell_unread(folder, [cell for cell in cells if cell.group in groups and selection.matches(cell)])
     if picture is not None:
-        save_intents(found, picture, config.figure.names if config.figure else {})
+        save_intents(found, picture, figure.names if (figure := cells[0].config.figure) else {})
         tell_json({"run": str(folder), "file": str(picture)}, None) if as_json else tell(str(picture))
     elif as_json:
         tell_json({"run": str(folder), **to_json(found, trials)})

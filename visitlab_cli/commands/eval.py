@@ -78,7 +78,7 @@ def command(
     """Assemble the global task from a run's trained modules and play it."""
     from visitlab_cli.console.matrix import check_options, planned_cells, play_matrix
     from visitlab_cli.console.running import How, dask_at, run_and_tell
-    from visitlab_cli.errors import UsageError
+    from visitlab_cli.errors import NotFoundError, UsageError
     from visitlab_cli.plan.cells import plan
     from visitlab_cli.plan.evaluation import Evaluation
     from visitlab_cli.plan.notes import notes_on
@@ -93,15 +93,15 @@ def command(
     humans = list(config.humans)
     for name in human or []:
         if name not in humans:
-            raise UsageError(
+            raise NotFoundError(
                 f"--human {printable(name)}: the run's config declares no such human{or_else(name, humans)}"
             )
     visits = [name for name, each in config.experiments.items() if each.assembled]
     if not visits:
-        raise UsageError(f"{folder}: its config declares no visit")
+        raise NotFoundError(f"{folder}: its config declares no visit")
     if experiment and experiment not in visits:
         near = or_else(experiment, visits)
-        raise UsageError(f"--experiment {printable(experiment)}: the run's config declares no such visit{near}")
+        raise NotFoundError(f"--experiment {printable(experiment)}: the run's config declares no such visit{near}")
     if trials is not None and not human and not matrix:
         for name in [experiment] if experiment else visits:
             if config.experiments[name].phases:

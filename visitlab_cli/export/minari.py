@@ -55,7 +55,6 @@ def write_minari(root: Path, log: Path, numbers: Sequence[int] = ()) -> Written:
     about = read_metadata(log)
     dataset = _id(about, log, numbers)
     target = root / dataset
-    target.parent.mkdir(parents=True, exist_ok=True)
     size = TASKS[about["task"]].size(lab_of_log(log))
     with new_folder(target) as folder:
         data = folder / "data"

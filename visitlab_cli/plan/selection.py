@@ -47,8 +47,8 @@ class Selection:
         """The cells of a run's plan that match, at least one.
 
         Raises:
-            NotFoundError: there is none; with the names, values or seeds that there are.
-            UsageError: `at` is no `path=value`, or its path does not vary.
+            NotFoundError: there is none, or a path of `at` does not vary; with what there is.
+            UsageError: `at` is no `path=value`.
         """
         for each in self.at:
             self._check_at(run, cells, *_parts(each))
@@ -73,7 +73,7 @@ class Selection:
         known = list(dict.fromkeys(value_in_words(cell.point[path]) for cell in cells if path in cell.point))
         if not known:
             paths = list(dict.fromkeys(path for cell in cells for path in cell.point))
-            raise UsageError(f"--at {path}: does not vary in {run}{or_else(path, paths) if paths else ''}")
+            raise NotFoundError(f"--at {path}: does not vary in {run}{or_else(path, paths) if paths else ''}")
         if not any(_same(value, words) for words in known):
             raise NotFoundError(f"{run}: never at {path}={printable(value)}; known: {', '.join(known)}")
 

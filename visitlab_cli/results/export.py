@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from visitlab_cli.errors import NotFoundError
+from visitlab_cli.errors import RunError
 from visitlab_cli.plan.cells import Cell
 from visitlab_cli.results.summary import Summary, summaries
 from visitlab_cli.results.tables import Reader, model_of, steps_of, tables, trials_of
@@ -31,11 +31,11 @@ def export_table(run: Path, cells: Sequence[Cell], content: str, file: Path) -> 
 
     Raises:
         UsageError: the file exists.
-        NotFoundError: a cell has no steps, or there is no folder for the file.
-        RunError: a cell is damaged, or the file cannot be written.
+        NotFoundError: a cell has no steps.
+        RunError: a cell is damaged, or the file cannot be written, as where there is no folder for it.
     """
     if not file.absolute().parent.is_dir():
-        raise NotFoundError(f"{file}: there is no folder {file.parent}")
+        raise RunError(f"{file}: can't be written: there is no folder {file.parent}")
     parts = _results(run, cells) if content == RESULTS else _aligned(run, cells, READERS[content])
     with new_file(file) as beside:
         return _write(parts, beside, file.suffix == f".{CSV}")

@@ -13,7 +13,7 @@ from pathlib import Path
 from statistics import fmean
 from typing import Any, NamedTuple
 
-from visitlab_cli.errors import NotFoundError, UsageError
+from visitlab_cli.errors import NotFoundError
 from visitlab_cli.plan.cells import Cell
 from visitlab_cli.plan.saved import trials_of
 from visitlab_cli.results.estimates import Estimate, difference_of, mean_of, probability_of_improvement
@@ -125,18 +125,17 @@ def compare_by(run: Path, cells: Sequence[Cell], key: str, phase: int | None = N
         phase: that of all with phases all trials of this one are compared, and nothing else.
 
     Raises:
-        UsageError: the run has no such key, or nothing with such a phase.
-        NotFoundError: nothing that is done differs in it.
+        NotFoundError: the run has no such key, nothing with such a phase, or nothing that is done differs in it.
     """
     groups = groups_of(cells)
     known = [AGENT, HUMAN, EXPERIMENT, *([PHASE] if any(cell.settings.phases for cell in cells) else [])]
     known += dict.fromkeys(path for group in groups for path, _ in group.point)
     if key not in known:
-        raise UsageError(f"--by {key}: the run has no such key{or_else(key, known)}")
+        raise NotFoundError(f"--by {key}: the run has no such key{or_else(key, known)}")
     last = max(len(cell.settings.phases) for cell in cells) - 1
     if phase is not None and phase > last:
         there = f"phases are 0 to {last}" if last >= 0 else "it has no phases"
-        raise UsageError(f"--phase {phase}: the run has none such; {there}")
+        raise NotFoundError(f"--phase {phase}: the run has none such; {there}")
     members = [each for group in groups for each in _members(run, group, key, phase)]
     pairs, paired, seconds = [], set(), set()
     for (_, first), (number, second) in combinations(enumerate(members), 2):
