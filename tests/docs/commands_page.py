@@ -23,7 +23,7 @@ Every command that prints a result has `--json`. The result goes to stdout, ever
 | 2 | wrong usage |
 | 3 | the config is invalid |
 | 4 | a run failed, is incomplete, can't be written, or misses a value that its config expects |
-| 5 | not found: file, run, trial |
+| 5 | not found: file, run, trial, or what an option names of a run or config, such as an experiment or a human |
 | 130 | interrupted; the same command goes on from there |
 """
 WIDTH = 100
