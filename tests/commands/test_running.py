@@ -314,7 +314,7 @@ def test_names_with_spaces_and_other_letters(tmp_path):
     out = tmp_path / "mes résultats à moi"
     done = visitlab("train", TINY, "--out", out, ONE_CELL)
     assert done.returncode == 0, done.stderr
-    assert visitlab("eval", "tiny", "--out", out).returncode == 2
+    assert visitlab("eval", "tiny", "--out", out).returncode == 5
 
 
 def test_no_home_and_no_terminal(tmp_path):
