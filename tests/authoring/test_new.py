@@ -10,6 +10,8 @@ import pytest
 from tests import packages
 from tests.program import the_run, visitlab
 
+TAKEN = ("numpy", "visitlab_cli", "json", "print", "tests")
+
 
 @pytest.fixture(scope="module")
 def package(tmp_path_factory):
@@ -69,7 +71,7 @@ def test_its_own_test_passes(package, installed):
     assert done.returncode == 0, done.stdout
 
 
-@pytest.mark.parametrize("name", ["class", "My", "q_learning", "../x", "a b", "x\x1b[1m"])
+@pytest.mark.parametrize("name", ["class", "My", "q_learning", "../x", "a b", "x\x1b[1m", *TAKEN])
 def test_a_name_that_can_not_be(tmp_path, name):
     done = visitlab("plugin", "new", name, "--folder", tmp_path)
     assert (done.returncode, done.stderr.count("\n")) == (2, 1)

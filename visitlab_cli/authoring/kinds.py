@@ -47,6 +47,8 @@ def agent_of(word: str, parameters: Sequence[str] = ()) -> AgentParameters:
         key, equals, text = each.partition("=")
         if not (key and equals):
             raise UsageError(f"{printable(each)}: must be key=value")
+        if key == KIND:
+            raise UsageError(f"{printable(each)}: the kind is said before, without {KIND}=")
         try:
             values[key], given[key] = yaml.safe_load(text), each
         except yaml.YAMLError:

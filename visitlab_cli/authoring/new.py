@@ -1,7 +1,10 @@
 """A package to begin with: an agent in plain Python that works when installed, its test and a config."""
 
+import builtins
 import keyword
 import re
+import sys
+from importlib.util import find_spec
 from pathlib import Path
 
 from visitlab_cli.agents.registry import KINDS
@@ -27,6 +30,8 @@ def new_package(name: str, folder: Path) -> list[Path]:
     target = folder / name
     if target.exists():
         raise UsageError(f"{target}: exists; choose another name or --folder")
+    if _is_taken(name):
+        raise UsageError(f"{name}: Python has a module or a function of this name; choose another")
     written = []
     try:
         for file in sorted(path for path in TEMPLATE.rglob("*") if path.is_file()):
@@ -37,6 +42,12 @@ def new_package(name: str, folder: Path) -> list[Path]:
     except OSError as error:
         raise RunError(f"{target}: can't be written: {reason(error)}") from error
     return written
+
+
+def _is_taken(name: str) -> bool:
+    """Whether a module of this name would hide another, or a function of Python's, or be hidden."""
+    beside = (TEMPLATE / name).exists()  # a folder of the package that is no module
+    return beside or name in {*dir(builtins), *sys.stdlib_module_names} or find_spec(name) is not None
 
 
 def _named(text: str, name: str) -> str:
