@@ -179,6 +179,38 @@ def test_a_file_is_named_by_the_command_or_the_variable_never_by_the_config(tmp_
     assert os.environ.get("VISITLAB_PLUGINS") is None
 
 
+UNUSABLE = {
+    "a word of ours": (
+        AGENT.replace("theirs", "q_learning"),
+        "{file}: q_learning is a kind of visitlab's own; it",
+    ),
+    "what some share": (
+        "from typing import Literal\nfrom visitlab_cli import HumanParameters\n"
+        "class Mine(HumanParameters):\n    other: int = 0\n",
+        "{file}: declares no kind: no class in it is a subclass of HumanParameters or AgentParameters",
+    ),
+    "no such class": ("class Parameters:\n    pass\n", "{file}: declares no kind"),
+    "no word": (AGENT.replace('Literal["theirs"]', "str"), "{file}: declares no kind"),
+    "not imported": ("import nothing_of_that_name", "{file} can't be imported: ModuleNotFoundError"),
+}
+
+
+@pytest.mark.parametrize(("source", "line"), UNUSABLE.values(), ids=UNUSABLE)
+def test_a_file_that_is_of_no_use_is_told_whatever_the_config_names(tmp_path, config, source, line):
+    config.write_text(CONFIG.replace("theirs", "q_learning"))
+    file = tmp_path / "mine.py"
+    file.write_text(source)
+    told = line.format(file=file)
+    for command in (["validate", config], ["run", config, "--dry-run"], ["plugin", "check", "q_learning"]):
+        done = visitlab(*command, "--plugin", file)
+        assert (done.returncode, done.stdout, done.stderr.count("\n")) == (3, "", 1), done.stderr
+        assert done.stderr.startswith(told)
+    listed = visitlab("agents", "--json", "--plugin", file)
+    assert listed.returncode == 0, listed.stderr
+    (theirs,) = [each for each in json.loads(listed.stdout)["agents"] if each["package"] == str(file)]
+    assert told.removeprefix(f"{file}: ") in theirs["error"]
+
+
 @pytest.mark.parametrize("section", ["agents", "humans"])
 def test_a_compiled_kind_that_raises_when_it_is_made_fails_in_its_cells_alone(tmp_path, section):
     base, theirs = {

@@ -9,7 +9,8 @@ import hashlib
 import importlib.util
 import os
 import sys
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
@@ -19,7 +20,7 @@ from typing import NamedTuple, TypeVar
 from pydantic import BaseModel
 
 from visitlab_cli.errors import NotFoundError, UsageError
-from visitlab_cli.kinds import kinds_in, words_of
+from visitlab_cli.kinds import UNSAID, kinds_in, words_of
 from visitlab_cli.sources import is_others
 from visitlab_cli.wording import printable
 
@@ -118,8 +119,15 @@ def declared(section: str) -> list[Source]:
 
 
 def all_words(section: str, base: type[Base]) -> list[Source]:
-    """Every kind of others, each word once for each who declares it; files are imported, packages are not."""
-    return [*(source for source, _ in in_files(base)), *declared(section)]
+    """Every kind of others, each word once for each who declares it; files are imported, packages are not.
+
+    Those of a file that can't be imported are left out (`faults_of_files`).
+    """
+    found = []
+    for file in files():
+        with suppress(PluginError):
+            found += [Source(word, str(file), "", None) for word, _ in _kinds_of(file, base)]
+    return [*found, *declared(section)]
 
 
 def in_files(base: type[Base]) -> Iterator[tuple[Source, type[Base]]]:
@@ -129,8 +137,36 @@ def in_files(base: type[Base]) -> Iterator[tuple[Source, type[Base]]]:
         PluginError: one of them can't be imported.
     """
     for file in files():
-        for word, kind in kinds_in(_module(file), base):
+        for word, kind in _kinds_of(file, base):
             yield Source(word, str(file), "", None), kind
+
+
+def _kinds_of(file: Path, base: type[Base]) -> Iterator[tuple[str, type[Base]]]:
+    """Those of a file; a class without a word is what some share."""
+    return (found for found in kinds_in(_module(file), base) if found[0] != UNSAID)
+
+
+def faults_of_files(sections: Mapping[str, tuple[Container[str], type[BaseModel]]]) -> dict[Path, str]:
+    """Why files that are named as plug-ins can't be used: not imported, without a kind, with a word of ours.
+
+    Args:
+        sections: the built-in words of each section, and what its kinds derive from.
+    """
+    return {file: fault for file in files() if (fault := _fault_of(file, sections))}
+
+
+def _fault_of(file: Path, sections: Mapping[str, tuple[Container[str], type[BaseModel]]]) -> str:
+    words = []
+    for built_in, base in sections.values():
+        try:
+            found = [word for word, _ in _kinds_of(file, base)]
+        except PluginError as error:
+            return str(error)
+        if taken := [word for word in found if word in built_in]:
+            return f"{file}: {taken[0]} is a kind of {OURS}'s own; it needs another name"
+        words += found
+    bases = " or ".join(base.__name__ for _, base in sections.values())
+    return "" if words else f"{file}: declares no kind: no class in it is a subclass of {bases} with kind: Literal[...]"
 
 
 def find(section: str, word: str, base: type[Base]) -> type[Base]:

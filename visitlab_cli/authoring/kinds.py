@@ -8,6 +8,7 @@ import yaml
 
 from visitlab_cli.agents.base import AgentParameters
 from visitlab_cli.agents.registry import KINDS
+from visitlab_cli.config.building import check_plugin_files
 from visitlab_cli.config.loading import load_text
 from visitlab_cli.errors import ConfigError, NotFoundError, RunError, UsageError
 from visitlab_cli.kinds import KIND
@@ -32,6 +33,7 @@ def agent_of(word: str, parameters: Sequence[str] = ()) -> AgentParameters:
         UsageError: a parameter is not `key=value`, or the kind refers to other agents and is nothing alone.
         ConfigError: a parameter is not one of the kind's, or has a value that it can't have.
     """
+    check_plugin_files()
     try:
         kind: type[AgentParameters] = KINDS.get(word) or find("agents", word, AgentParameters)
     except NoSuchKindError as error:

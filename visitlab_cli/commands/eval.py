@@ -76,6 +76,7 @@ def command(
     no_color: NoColor = False,
 ) -> None:
     """Assemble the global task from a run's trained modules and play it."""
+    from visitlab_cli.config.building import check_plugin_files
     from visitlab_cli.console.matrix import check_options, planned_cells, play_matrix
     from visitlab_cli.console.running import How, dask_at, run_and_tell
     from visitlab_cli.errors import NotFoundError, UsageError
@@ -88,6 +89,7 @@ def command(
 
     at = dask_at(executor, address, scheduler_file, workers)
     check_options(matrix=matrix, frozen=frozen, picture=picture)
+    check_plugin_files()
     folder = find_run(run, out)
     config = read_config(folder)
     humans = list(config.humans)

@@ -18,10 +18,12 @@ from visitlab_cli.config.model import Config
 from visitlab_cli.config.names import Name
 from visitlab_cli.config.references import Declared
 from visitlab_cli.config.references import issues as reference_issues
+from visitlab_cli.errors import ConfigError
 from visitlab_cli.humans.base import HumanParameters
 from visitlab_cli.humans.registry import KINDS as HUMANS
 from visitlab_cli.kinds import KIND, Kind, absent, any_of
-from visitlab_cli.plugins import NoSuchKindError, PluginError, find
+from visitlab_cli.plugins import NoSuchKindError, PluginError, faults_of_files, find
+from visitlab_cli.terminal import plain
 from visitlab_cli.wording import or_else, start_comparing
 from visitlab_cli.yaml.document import Node, Plain
 from visitlab_cli.yaml.problems import Issue, Problem, by_an_override, failure, positioned
@@ -139,6 +141,16 @@ def _again(text: str) -> Config:
     return config
 
 
+def check_plugin_files() -> None:
+    """Check the files that are named as plug-ins: each has kinds, of words of their own.
+
+    Raises:
+        ConfigError: with a line for each that has not.
+    """
+    if faults := faults_of_files(KINDS):
+        raise ConfigError("\n".join(map(plain, faults.values())))
+
+
 class Overridden(NamedTuple):
     """A document as it was `written`, and the sources of the places in it that overrides have made since."""
 
@@ -170,6 +182,7 @@ def build(
     """
     start_comparing()
     if not kept:
+        check_plugin_files()
         document = with_maps(document, problems)
     overridden = overridden or Overridden(document, ())
     whole, issues, broken = resolve_like(document)

@@ -35,7 +35,7 @@ def _parameter(name: str, value: Any) -> str:
 def _kinds(section: str) -> list[dict[str, Any]]:
     from visitlab_cli import __version__
     from visitlab_cli.config.building import KINDS
-    from visitlab_cli.plugins import OURS, PluginError, all_words, find
+    from visitlab_cli.plugins import OURS, PluginError, all_words, faults_of_files, find
 
     built_in, base = KINDS[section]
     found = [_told(word, OURS, __version__, kind) for word, kind in sorted(built_in.items())]
@@ -48,6 +48,10 @@ def _kinds(section: str) -> list[dict[str, Any]]:
             found.append(
                 {"kind": source.word, "package": source.package, "version": source.version, "error": str(error)}
             )
+    told = {each["package"] for each in found}
+    for file, fault in faults_of_files(KINDS).items():
+        if str(file) not in told:
+            found.append({"kind": NO_WORD, "package": str(file), "version": "", "error": fault})
     return found
 
 
