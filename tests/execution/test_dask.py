@@ -19,7 +19,7 @@ from visitlab_cli.errors import Interrupted, NotFoundError, RunError, UsageError
 from visitlab_cli.execution import dask_cluster, dask_worker
 from visitlab_cli.execution.dask_address import At, is_exposed
 from visitlab_cli.execution.dask_cluster import AHEAD, DaskPool
-from visitlab_cli.execution.executor import DIED
+from visitlab_cli.execution.executor import OUT_OF_MEMORY
 from visitlab_cli.execution.progress import Progress
 from visitlab_cli.execution.runner import run_cells
 from visitlab_cli.execution.workers import OtherCodeError, Workers
@@ -283,7 +283,7 @@ def test_a_cluster_of_ones_own_ends_with_the_command(tmp_path):
 @pytest.mark.slow
 def test_a_cell_that_kills_its_workers_is_given_up_and_it_alone(cells, pool, tmp_path):
     failures = run_cells(tmp_path / "run", cells("die"), 2, Progress(quiet=True), lambda count: pool(cells("die")))
-    assert failures == {f"navigation/bad/seed-000{seed}": DIED for seed in range(3)}
+    assert failures == {f"navigation/bad/seed-000{seed}": OUT_OF_MEMORY for seed in range(3)}
     assert len(list((tmp_path / "run").rglob("cell.json"))) == 6
 
 

@@ -1,6 +1,7 @@
 """What the runner does when cells fail or workers die."""
 
 import os
+import signal
 
 import pytest
 
@@ -66,6 +67,18 @@ def test_a_worker_that_always_dies_costs_only_its_cell(cells, tmp_path, monkeypa
     failures = run_cells(tmp_path, cells, 2, Progress(quiet=True))
     assert failures == {"navigation/mf/seed-0001": "its worker process died 3 times (out of memory?)"}
     assert [cell.seed for cell in missing_cells(tmp_path, cells)] == [1]
+
+
+def segfaults_on_seed_1(run, cell, slot):
+    if cell.seed == 1:
+        signal.raise_signal(signal.SIGSEGV)
+    cell_runner.run_cell(run, cell, lambda steps: None)
+
+
+def test_a_signal_that_a_worker_dies_of_is_told(cells, tmp_path, monkeypatch):
+    monkeypatch.setattr(workers, "_run_in_slot", segfaults_on_seed_1)
+    (line,) = run_cells(tmp_path, cells[:2], 2, Progress(quiet=True)).values()
+    assert line == "its worker process died 3 times (SIGSEGV: Segmentation fault)"
 
 
 def test_the_server_of_the_workers_is_killed(cells, tmp_path, monkeypatch):

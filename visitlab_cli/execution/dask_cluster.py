@@ -27,7 +27,7 @@ from visitlab_cli.errors import Interrupted, RunError, reason
 from visitlab_cli.execution.dask_address import At, is_exposed
 from visitlab_cli.execution.dask_here import ANSWER_SECONDS, CLOSE_SECONDS, own_cluster, quietly
 from visitlab_cli.execution.dask_worker import TOPIC, Terms, Told, difference, do_cell, facts, stop_cells
-from visitlab_cli.execution.executor import DEATHS_GIVEN_UP, DIED, NOT_BEGUN, WAITING, EndOfRunError
+from visitlab_cli.execution.executor import DEATHS_GIVEN_UP, NOT_BEGUN, OUT_OF_MEMORY, WAITING, EndOfRunError
 from visitlab_cli.execution.workers import OtherCodeError
 from visitlab_cli.plan.cells import Cell
 from visitlab_cli.plugins import files
@@ -220,7 +220,7 @@ class DaskPool:
                 if max(task.starts, task.rounds) < DEATHS_GIVEN_UP and not self._stopping:
                     self._send(task)  # it stood behind one that killed their worker
                     return
-                error = RunError(DIED)
+                error = RunError(OUT_OF_MEMORY)
         elif theirs.status != "finished":
             error = Interrupted("stopped") if self._stopping else self._gone()
         _settle(task.ours, error)
@@ -232,7 +232,7 @@ class DaskPool:
         task.told = Told(*told)
         task.starts += task.told.steps == NOT_BEGUN
         if task.starts > DEATHS_GIVEN_UP:
-            _settle(task.ours, RunError(DIED))
+            _settle(task.ours, RunError(OUT_OF_MEMORY))
             self._client.loop.add_callback(self._client.cancel, [task.theirs])
 
     def _gone(self) -> EndOfRunError:
@@ -269,8 +269,9 @@ class DaskPool:
         quietly(self._ask, self._client.run, stop_cells, self._token, wait=False)  # workers may have joined since
         self._next_stop = time.monotonic() + LOOK_SECONDS
 
-    def replace(self) -> None:
+    def replace(self) -> int:
         """Nothing: a cluster starts its workers anew by itself."""
+        return 0
 
     def kill(self) -> None:
         """End the workers of our own cluster; others have been asked to stop."""

@@ -1,5 +1,6 @@
 """What the runner asks of whatever cells run in: processes of this machine, or a cluster."""
 
+import signal
 from collections.abc import Callable
 from concurrent.futures import Future
 from pathlib import Path
@@ -10,11 +11,19 @@ from visitlab_cli.plan.cells import Cell
 
 DEATHS_GIVEN_UP = 3
 """How many workers may die of a cell before it is given up."""
-DIED = f"its worker process died {DEATHS_GIVEN_UP} times (out of memory?)"
+DIED = f"its worker process died {DEATHS_GIVEN_UP} times"
+OUT_OF_MEMORY = f"{DIED} (out of memory?)"
 NOT_BEGUN = -1
 """The steps of a cell whose worker is still starting, importing or compiling."""
 WAITING = -2
 """The steps of a cell that no worker has taken yet."""
+
+
+def died_of(number: int) -> str:
+    """What is told of a cell that its workers died of; `number` is the signal, 0 where nobody knows."""
+    if number in (0, signal.SIGKILL):
+        return OUT_OF_MEMORY
+    return f"{DIED} ({signal.Signals(number).name}: {signal.strsignal(number)})"
 
 
 class EndOfRunError(RunError):
@@ -46,8 +55,8 @@ class Executor(Protocol):
     def stop(self) -> None:
         """Ask every cell to stop after its block; may be said again and again."""
 
-    def replace(self) -> None:
-        """Give up what is broken; the next cell starts anew."""
+    def replace(self) -> int:
+        """Give up what is broken; the next cell starts anew. The signal that it died of, 0 where nobody knows."""
 
     def kill(self) -> None:
         """End all that runs at once."""

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from visitlab_cli.errors import Interrupted, VisitlabError
-from visitlab_cli.execution.executor import DEATHS_GIVEN_UP, DIED, WAITING, EndOfRunError, Executor, OpenPool
+from visitlab_cli.execution.executor import DEATHS_GIVEN_UP, WAITING, EndOfRunError, Executor, OpenPool, died_of
 from visitlab_cli.execution.order import Order
 from visitlab_cli.execution.progress import Progress
 from visitlab_cli.execution.silence import Silence
@@ -220,15 +220,14 @@ class _Running:
             broken += [cell for cell, _ in self.running.values()]
             self.free_slots += [slot for _, slot in self.running.values()]
             self.running.clear()
-            self.pool.replace()
-            self._died(broken)
+            self._died(broken, self.pool.replace())
 
-    def _died(self, cells: Sequence[Cell]) -> None:
+    def _died(self, cells: Sequence[Cell], number: int = 0) -> None:
         for cell in cells:
             self.claims.release(cell.path)
             self.deaths[cell.path] += 1
             if self.deaths[cell.path] >= DEATHS_GIVEN_UP:
-                self._fail(cell, DIED)
+                self._fail(cell, died_of(number))
             else:
                 self.suspects.append(cell)
 

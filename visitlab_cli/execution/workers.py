@@ -107,12 +107,20 @@ class Workers:
         """Ask every cell to stop after its block."""
         self._shared[STOP] = 1
 
-    def replace(self) -> None:
-        """Give up a broken pool; the next cell starts a new one."""
-        if self._executor is not None:
-            self._given_up.append(dict(vars(self._executor)))
-            self._executor.shutdown(wait=False, cancel_futures=True)
+    def replace(self) -> int:
+        """Give up a broken pool; the next cell starts a new one. The signal that a worker died of, 0 where unknown."""
+        if self._executor is None:
+            return 0
+        pool = dict(vars(self._executor))
+        self._given_up.append(pool)
+        self._executor.shutdown(wait=False, cancel_futures=True)
         self._executor = None
+        manager = pool.get("_executor_manager_thread")
+        if not pool.get("_broken") or manager is None:
+            return 0
+        manager.join(GIVEN_UP_SECONDS)  # it ends the other workers, and alone may ask how each has ended
+        ends = [] if manager.is_alive() else [worker.exitcode for worker in pool["_processes"].values()]
+        return max((-end for end in ends if end is not None and end < 0 and end != -signal.SIGTERM), default=0)
 
     def kill(self) -> None:
         """End all worker processes at once."""
