@@ -1,7 +1,9 @@
 """Agents in plain Python, from a file that a command names: trained, visited, watched, frozen, read."""
 
+import re
 from pathlib import Path
 
+import numba
 import numpy as np
 import pytest
 
@@ -9,7 +11,7 @@ from tests.agents.plain_q import PlainQParameters
 from tests.program import hashes, the_run, visitlab
 from visitlab_cli.agents import plain
 from visitlab_cli.agents.base import Setting, choose, learn
-from visitlab_cli.compiled import kernel
+from visitlab_cli.compiled import JIT_DISABLED, kernel
 from visitlab_cli.random_numbers import random_state
 
 FILE = Path(__file__).with_name("plain_q.py")
@@ -59,7 +61,10 @@ def test_what_it_made_is_read_without_it(run, command):
     assert "plain_q" not in done.stderr
 
 
-def test_nothing_more_is_made_without_it_and_frozen_it_is_greedy_with_it(run):
+def test_nothing_more_is_made_without_it_and_frozen_it_is_greedy_with_it(run, tmp_path):
+    (tmp_path / "empty.py").touch()
+    done = visitlab("eval", run, "--frozen", "--plugin", tmp_path / "empty.py")
+    assert (done.returncode, "empty.py: declares no kind" in done.stderr) == (3, True)
     done = visitlab("eval", run, "--frozen", "--trials", 2)
     assert done.returncode == 4
     assert "no kind of agents is called plain_q here; install its package, or name its file by --plugin" in done.stderr
@@ -110,3 +115,117 @@ def test_a_method_that_is_missing_is_named(monkeypatch, missing):
     monkeypatch.delattr(plain_q.PlainQ, missing)
     with pytest.raises(plain.AgentFailedError, match=f"a PlainQ has no method {missing}"):
         PlainQParameters(kind="plain_q").create(SETTING)
+
+
+REFUSED = {
+    "the cell's": (
+        lambda self: {"random_state": self.q},
+        "an array can't be called random_state, a name of",
+    ),
+    "its draws'": (lambda self: {"agent_random_state": self.q}, "can't be called agent_random_state, a name of"),
+    "numpy's": (lambda self: {"file": self.q}, "an array can't be called file, a name of visitlab's own"),
+    "values'": (lambda self: {"q": self.q + 1}, "its array q is not what values answers"),
+    "a path": (lambda self: {"a/b": self.q}, "an array can't be called 'a/b': letters, digits and _"),
+    "nothing": (lambda self: {"": self.q}, "an array can't be called ''"),
+    "a number": (lambda self: {1: self.q}, "an array can't be called 1"),
+    "of 2 bytes": (lambda self: {"t": self.q.astype(np.float16)}, "its array t is of dtype float16, which is not kept"),
+    "None": (lambda self: None, "arrays answered None, not arrays by name"),
+    "ragged": (lambda self: {"t": [[1], [2, 3]]}, "its array t: ValueError"),
+}
+
+
+@pytest.mark.parametrize(("arrays", "line"), REFUSED.values(), ids=REFUSED)
+def test_arrays_that_could_not_be_read_again_are_refused(monkeypatch, arrays, line):
+    from tests.agents import plain_q
+
+    parameters = PlainQParameters(kind="plain_q")
+    monkeypatch.setattr(plain_q.PlainQ, "arrays", arrays)
+    with pytest.raises(plain.AgentFailedError, match=r"its agent \(kind plain_q\) failed: ") as told:
+        parameters.save(parameters.create(SETTING))
+    assert line in str(told.value)
+    assert "\n" not in str(told.value)
+
+
+def test_it_is_given_back_what_is_its_own(monkeypatch):
+    from tests.agents import plain_q
+
+    parameters, given = PlainQParameters(kind="plain_q"), {}
+    monkeypatch.setattr(plain_q.PlainQ, "restore", lambda self, arrays: given.update(arrays))
+    saved = parameters.save(parameters.create(SETTING))
+    plain.restored(parameters, SETTING, {**saved, "random_state": np.ones(4, np.uint64)})
+    assert given.keys() == {"q"}
+
+
+@pytest.mark.parametrize(("answer", "told"), [(None, "None"), (1.5, "1.5"), (float("nan"), "nan"), (("a", 1), "'a'")])
+def test_what_is_no_action_is_told(monkeypatch, answer, told):
+    from tests.agents import plain_q
+
+    monkeypatch.setattr(plain_q.PlainQ, "act", lambda self, state, random, step: answer)
+    record = PlainQParameters(kind="plain_q").create(SETTING)
+    with pytest.raises(RuntimeError):
+        play(record, 0, 20, random_state(0, "unused"), np.zeros(20, np.int64))
+    assert f"step 1: TypeError: act answered {told}; an action is a whole number" in str(plain.failure_in(record, 20))
+
+
+WRONG = {
+    "plain": FILE.read_text().replace("plain_q", "wrong").replace('{"q": self.q}', '{"a/b": self.q}'),
+    "compiled": """
+from typing import Literal
+from visitlab_cli.agents.q_learning import QLearningParameters
+
+class Mine(QLearningParameters):
+    kind: Literal["wrong"]
+
+    def save(self, record):
+        return {"a/b": record.q}
+""",
+}
+
+
+@pytest.mark.parametrize("source", WRONG.values(), ids=WRONG)
+def test_what_could_not_be_kept_is_told_before_it_is_learned(tmp_path, source):
+    from visitlab_cli.config.loading import load
+    from visitlab_cli.execution import cell_runner
+    from visitlab_cli.plan.cells import plan
+
+    (tmp_path / "wrong.py").write_text(source)
+    config = tmp_path / "wrong.yaml"
+    config.write_text(
+        "{name: w, agents: {a: {kind: wrong}}, experiments: {n: {task: navigation, agents: [a], steps: 20}}}"
+    )
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("VISITLAB_PLUGINS", str(tmp_path / "wrong.py"))
+        (cell,) = plan(load(config))
+        patch.setattr(cell_runner, "simulate", lambda *given: pytest.fail("it was played"))
+        with pytest.raises(plain.AgentFailedError, match="an array can't be called 'a/b'"):
+            cell_runner.run_cell(tmp_path, cell, lambda steps: None)
+
+
+def unknown_attribute(x):
+    return x.nothing
+
+
+def unknown_name(x):
+    return nothing + x  # noqa: F821
+
+
+def wrong_types(x):
+    return x["a"]
+
+
+@pytest.mark.skipif(JIT_DISABLED, reason="nothing is compiled")
+@pytest.mark.parametrize(
+    ("function", "line"),
+    [
+        (
+            unknown_attribute,
+            r"Unknown attribute 'nothing' of type int64 \(test_plain.py, line \d+, unknown_attr.*\)",
+        ),
+        (unknown_name, "NameError: name 'nothing' is not defined"),
+        (wrong_types, r"no implementation of getitem\(int64, .*\) \(test_plain.py, line \d+, wrong_types\)"),
+    ],
+)
+def test_what_can_not_be_compiled_is_told_with_the_reason_and_the_place(function, line):
+    with pytest.raises(numba.core.errors.NumbaError) as told:
+        numba.njit(function).compile((numba.int64,))
+    assert re.fullmatch(f"can't be compiled: {line}", plain.in_a_line(told.value))

@@ -9,6 +9,7 @@ import pytest
 import visitlab_cli
 from tests.agents.plain_q import PlainQ, PlainQParameters
 from tests.program import visitlab
+from visitlab_cli.agents.q_learning import QLearningParameters
 from visitlab_cli.agents.registry import KINDS
 from visitlab_cli.authoring.check import check
 from visitlab_cli.authoring.kinds import agent_of
@@ -89,6 +90,16 @@ def test_a_broken_promise_is_seen_where_it_is_broken(monkeypatch, method, instea
     assert seen in failed.seen, failed
 
 
+class Diverged(QLearningParameters):
+    def save(self, record):
+        return {"q": record.q * np.nan}
+
+
+def test_nan_in_a_compiled_agent_is_told_as_that():
+    *_, failed = check(Diverged(kind="q_learning"))
+    assert (failed.passed, failed.seen) == (False, "its array q holds what is no number")
+
+
 def test_the_command_tells_what_it_asked_and_what_failed(tmp_path):
     done = visitlab("plugin", "check", "plain_q", "alpha=0.25", "--plugin", FILE)
     assert (done.returncode, done.stderr) == (0, "")
@@ -109,6 +120,7 @@ def test_the_command_tells_what_it_asked_and_what_failed(tmp_path):
         (["observer"], 2, "observer: refers to other agents (watches, learner, acts_as)"),
         (["q_learning", "alpha"], 2, "alpha: must be key=value"),
         (["q_learning", "alpha=[1"], 2, "alpha=[1: the value is no YAML"),
+        (["q_learning", "kind=rmax"], 2, "kind=rmax: the kind is said before, without kind="),
         (["q_learning", "alpha=2"], 3, "alpha=2: must be at most 1 (got 2)"),
         (["q_learning", "aplha=0.2"], 3, "aplha=0.2: unknown; did you mean alpha?"),
         (["model_based", "bonus=1"], 3, "model_based: exploration: count_bonus goes with a bonus, and only that does"),

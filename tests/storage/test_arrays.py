@@ -5,6 +5,8 @@ import zipfile
 import numpy as np
 import pytest
 
+from visitlab_cli.agents.declared import RESERVED, fault_in_saved
+from visitlab_cli.config import hidden
 from visitlab_cli.errors import NotFoundError, RunError
 from visitlab_cli.storage.arrays import read_model, read_trials, write_model, write_trials
 
@@ -23,6 +25,40 @@ def test_what_is_written_is_read(tmp_path):
         "reward": [0.5, 2.0],
         "goals": [0, 2],
     }
+
+
+def test_arrays_are_read_however_they_lie_in_memory(tmp_path):
+    write_model(tmp_path / "model.npz", {"q": ARRAYS["q"].T, "every": ARRAYS["q"][:, ::2], "one": np.float64(2)})
+    read = read_model(tmp_path / "model.npz")
+    assert [read[name].tolist() for name in read] == [[[0, 3], [1, 4], [2, 5]], [[0, 2], [3, 5]], 2.0]
+
+
+@pytest.mark.parametrize("name", ["q", "_a1", "qé", "a" * 61, "a" * 62, "", "1a", "a/b", "../a", "a.b", "a b", "a\n"])
+def test_what_may_be_saved_is_what_is_read(tmp_path, name):
+    arrays = {name: np.zeros(2)}
+    write_model(tmp_path / "model.npz", arrays)
+    if fault_in_saved(arrays):
+        with pytest.raises(RunError, match="not a model"):
+            read_model(tmp_path / "model.npz")
+    else:
+        assert read_model(tmp_path / "model.npz").keys() == {name}
+
+
+@pytest.mark.parametrize("dtype", ["f8", "f4", "f2", ">f8", "c16", "i8", "u1", "?", "U3", "O", "M8[s]"])
+def test_what_dtype_may_be_saved_is_what_is_read(tmp_path, dtype):
+    arrays = {"q": np.zeros(2, dtype)}
+    write_model(tmp_path / "model.npz", arrays)
+    if fault_in_saved(arrays):
+        with pytest.raises(RunError, match="is no array of numbers"):
+            read_model(tmp_path / "model.npz")
+    else:
+        assert read_model(tmp_path / "model.npz")["q"].dtype == dtype
+
+
+def test_what_a_cell_keeps_itself_is_reserved_and_fits_beside_the_agents():
+    assert {"random_state", *hidden.ARRAYS} <= set(RESERVED)
+    assert fault_in_saved({f"a{number}": np.zeros(1) for number in range(56)}) is None
+    assert "57 arrays; at most 56" in fault_in_saved({f"a{number}": np.zeros(1) for number in range(57)})
 
 
 def test_equal_content_is_equal_bytes(tmp_path):

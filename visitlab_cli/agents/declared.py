@@ -1,15 +1,28 @@
 """What a kind of agent says of each array that it saves, and whether arrays are so: what kernels may rely on."""
 
+import re
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
+from visitlab_cli.wording import shown
+
 LARGEST = 1e30
 """No value or sum of rewards is larger; of such many can be added up."""
 ROUNDING = 1e-6
 """What weights that were scaled and added up may be off."""
+NAME = re.compile(r"[A-Za-z_]\w{0,60}")
+"""What an array may be called."""
+RESERVED = ("random_state", "belief_parameters", "belief_sums", "belief_speeds", "file", "allow_pickle")
+"""What no array of an agent may be called: the first ones are a cell's own, the last two numpy's words."""
+DTYPES = ("<f8", "<i4", "<i8", "<u8", "|b1", "<f4", "|i1", "|u1", "<i2", "<u2", "<u4")
+MOST_ARRAYS = 64
+MOST_BYTES = 256 << 20
+"""Of all arrays of a model together."""
+_OF_THE_CELL = 8
+"""How many arrays a cell may add to its agent's, at most."""
 
 
 class Declared(NamedTuple):
@@ -37,6 +50,24 @@ def weights(*shape: int | None) -> Declared:
 
 
 RANDOM_STATE = Declared("<u8", (4,), 0, 2**64 - 1)
+
+
+def fault_in_saved(arrays: Mapping[Any, npt.NDArray[Any]], reserved: tuple[str, ...] = RESERVED) -> str | None:
+    """Why an agent's arrays can't be saved so that they are read again; None where they can."""
+    for name, array in arrays.items():
+        if not isinstance(name, str) or not NAME.fullmatch(name):
+            return f"an array can't be called {shown(name)}: letters, digits and _, at most 61, a letter or _ first"
+        if name in reserved:
+            return f"an array can't be called {name}, a name of visitlab's own"
+        if array.dtype.str not in DTYPES:
+            return f"its array {name} is of dtype {array.dtype}, which is not kept"
+        if array.dtype.kind == "f" and not np.isfinite(array).all():
+            return f"its array {name} holds what is no number"
+    if len(arrays) + _OF_THE_CELL > MOST_ARRAYS:
+        return f"it has {len(arrays)} arrays; at most {MOST_ARRAYS - _OF_THE_CELL} are kept"
+    if (total := sum(array.nbytes for array in arrays.values())) >= MOST_BYTES:
+        return f"its arrays have {total:,} bytes; fewer than {MOST_BYTES:,} are kept"
+    return None
 
 
 def fault_in_form(declared: Declared, dtype: str, shape: tuple[int, ...]) -> str | None:

@@ -6,26 +6,36 @@ steers a visit, is watched and learned from. What it draws comes from a numpy Ge
 
 import inspect
 import operator
+import re
 import traceback
 import weakref
 from collections.abc import Callable, Mapping
+from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 import numpy.typing as npt
+from numba.core.errors import NumbaError
 
 from visitlab_cli.agents.base import CHOOSE, LEARN, AgentParameters, Saved, Setting
+from visitlab_cli.agents.declared import RESERVED, fault_in_saved
 from visitlab_cli.callbacks import Signature
 from visitlab_cli.errors import RunError
 from visitlab_cli.random_numbers import RandomState, random_state
+from visitlab_cli.wording import cut
 
 STREAM = "agent"
 OWN_RANDOM = "agent_random_state"
 """The array of the state that its generator is left in: four words of SFC64, then the half of one that is left."""
 VALUES = "q"
+_NOT_ITS_OWN = (*RESERVED, OWN_RANDOM)
 _FAILED = -1
 _ACT, _LEARN = Signature(int, int), Signature(int, int, float, int, int, int)
 _act, _learn = _ACT.caller(), _LEARN.caller()
+_PLACE = re.compile(r'^[ \t]*File "([^"]+)", line (\d+):\n(?:\s*def (\w+))?', re.MULTILINE)
+"""How the compiler says where it stopped, innermost first; before it stands, after `_STOPPED`, the reason."""
+_STOPPED = "Failed in nopython mode pipeline"
+LONGEST_REASON = 160
 
 
 class PlainAgent(Protocol):
@@ -149,7 +159,10 @@ class Playing:
                 explored = False
                 if type(chosen) is tuple:
                     chosen, explored = chosen
-                action = index(chosen)
+                try:
+                    action = index(chosen)
+                except TypeError:
+                    raise TypeError(f"{method} answered {cut(repr(chosen))}; an action is a whole number") from None
                 if 0 <= action < n_actions:
                     return 2 * action + bool(explored)
                 raise ValueError(f"{method} answered {action}, but actions go from 0 to {n_actions - 1}")
@@ -202,7 +215,8 @@ def restored(
         AgentFailedError: it raised, or lacks a method.
     """
     playing = _begin(parameters, setting, frozen=frozen)
-    _asked(parameters, "restore", lambda: playing.agent.restore({name: saved[name].copy() for name in saved}))
+    own = {name: saved[name].copy() for name in saved if name not in _NOT_ITS_OWN}
+    _asked(parameters, "restore", lambda: playing.agent.restore(own))
     if same_draws:
         playing.set_random(saved[OWN_RANDOM])
     return playing.record()
@@ -212,18 +226,26 @@ def saved(parameters: AgentParameters, record: Plain) -> Saved:
     """The agent's arrays, what it believes actions are worth where it says so, and its generator's state.
 
     Raises:
-        AgentFailedError: it raised, or gave what is no array of numbers.
+        AgentFailedError: it raised, or gave what is no array of numbers, or can't be called so.
     """
     playing = _playing[int(record.number[0])]
-    arrays = {
-        str(name): np.asarray(array) for name, array in _asked(parameters, "arrays", playing.agent.arrays).items()
-    }
+    answered = _asked(parameters, "arrays", playing.agent.arrays)
+    if not isinstance(answered, Mapping):
+        raise _failed(parameters, f"arrays answered {cut(repr(answered))}, not arrays by name")
+    arrays = {name: _array(parameters, f"its array {cut(str(name))}", array) for name, array in answered.items()}
     if values := getattr(playing.agent, "values", None):
-        arrays[VALUES] = np.asarray(_asked(parameters, "values", values), np.float64)
-    for name, array in arrays.items():
-        if array.dtype.kind not in "iufb" or (array.dtype.kind == "f" and not np.isfinite(array).all()):
-            raise _failed(parameters, f"its array {name} holds what is no number")
+        table = _array(parameters, "values", _asked(parameters, "values", values), np.float64)
+        if VALUES in arrays and not np.array_equal(arrays[VALUES], table, equal_nan=True):
+            raise _failed(parameters, f"its array {VALUES} is not what values answers, which is kept by this name")
+        arrays[VALUES] = table
+    if fault := fault_in_saved(arrays, _NOT_ITS_OWN):
+        raise _failed(parameters, fault)
     return {**arrays, OWN_RANDOM: playing.random_state()}
+
+
+def _array(parameters: AgentParameters, what: str, given: Any, dtype: Any = None) -> npt.NDArray[Any]:
+    found: npt.NDArray[Any] = _asked(parameters, what, lambda: np.asarray(given, dtype))
+    return found
 
 
 def failure_in(record: Any, trial_steps: int) -> AgentFailedError | None:
@@ -235,8 +257,21 @@ def failure_in(record: Any, trial_steps: int) -> AgentFailedError | None:
 
 
 def in_a_line(error: BaseException) -> str:
-    """An exception and what it says, first line."""
+    """An exception and what it says, first line; of code that can't be compiled the reason, and where."""
+    if isinstance(error, NumbaError):
+        return f"can't be compiled: {_uncompiled(str(error))}"
     return f"{type(error).__name__}: {error}".splitlines()[0]
+
+
+def _uncompiled(text: str) -> str:
+    """Why the compiler stopped, and where, of all that it says."""
+    place = _PLACE.search(text)
+    _, stopped, told = text[: place.start() if place else None].rpartition(_STOPPED)
+    lines = [line.strip() for line in told.splitlines() if line.strip()]
+    called = next((line.removeprefix(">>> ") for line in lines if line.startswith(">>> ")), "")
+    reason = f"no implementation of {called}" if called else next(iter(lines[bool(stopped) :]), "no reason is told")
+    where = f" ({', '.join(filter(None, (Path(place[1]).name, f'line {place[2]}', place[3])))})" if place else ""
+    return f"{reason[:LONGEST_REASON]}{where}"
 
 
 def _begin(parameters: AgentParameters, setting: Setting, *, frozen: bool = False) -> Playing:

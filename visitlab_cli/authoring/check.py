@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 from visitlab_cli.agents import plain
 from visitlab_cli.agents.base import AgentParameters, Player, Saved, Setting
+from visitlab_cli.agents.declared import fault_in_saved
 from visitlab_cli.authoring.kinds import agent_of
 from visitlab_cli.errors import VisitlabError
 from visitlab_cli.random_numbers import RandomState, random_state
@@ -143,6 +144,8 @@ def _deterministic(parameters: AgentParameters, setting: Setting, world: _World)
 
 def _saved(parameters: AgentParameters, setting: Setting, world: _World) -> str:
     arrays = parameters.save(_play(parameters.create(setting), world, STEPS).record)
+    if fault := fault_in_saved(arrays):
+        raise _FailedError(fault)
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "model.npz"
         write_model(file, arrays)
@@ -204,5 +207,7 @@ def _same_arrays(first: Saved, second: Saved, when: str) -> None:
     if first.keys() != second.keys():
         raise _FailedError(f"its arrays are {', '.join(first)}, and {when} {', '.join(second)}")
     for name, array in first.items():
+        if array.dtype.kind == "f" and not np.isfinite(array).all():
+            raise _FailedError(f"its array {name} holds what is no number")
         if not np.array_equal(array, second[name]):
             raise _FailedError(f"its array {name} is another {when}")

@@ -11,7 +11,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from visitlab_cli.agents.base import Saved
-from visitlab_cli.agents.plain import failure_in
+from visitlab_cli.agents.declared import fault_in_saved
+from visitlab_cli.agents.plain import AgentFailedError, failure_in
 from visitlab_cli.config.canonical import hashed_yaml
 from visitlab_cli.errors import Interrupted
 from visitlab_cli.execution.build import Simulation, build
@@ -64,6 +65,7 @@ def _run_cell(run: Path, cell: Cell, report: Report, goes_on: Report) -> None:
     models = modules_of(run, cell)
     simulation = build(cell, models)
     random = random_state(cell.config.seed, cell.path, STREAM)
+    saved_model(simulation, random)  # what can't be kept is told before it is learned
     with NewCell(run, cell.path) as new:
         with _recorder(cell, new.folder / STEPS) as recorder:
 
@@ -159,9 +161,16 @@ def _recorder(cell: Cell, file: Path) -> Iterator[StepRecorder | None]:
 
 
 def saved_model(simulation: Simulation, random: RandomState) -> Saved:
-    """The arrays of `model.npz`: the agent's, what its task keeps, and the state that the random stream is left in."""
+    """The arrays of `model.npz`: the agent's, what its task keeps, and the state that the random stream is left in.
+
+    Raises:
+        AgentFailedError: the agent's can't be kept.
+    """
     kept = simulation.experiment.kept_by(simulation.stretches[-1].task)
-    return {**simulation.parameters.save(simulation.agent), **kept, "random_state": random}
+    saved = simulation.parameters.save(simulation.agent)
+    if fault := fault_in_saved(saved):
+        raise AgentFailedError(f"its agent failed: {fault}")
+    return {**saved, **kept, "random_state": random}
 
 
 def facts_of(cell: Cell, trial_rewards: np.ndarray[Any, np.dtype[np.float64]]) -> dict[str, Any]:

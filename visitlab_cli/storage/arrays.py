@@ -37,7 +37,8 @@ def _mended(file: Path) -> str:
 
 def write_model(file: Path, arrays: Arrays) -> None:
     """Write arrays by name to an `.npz`; a zip member carries no time, so equal arrays give equal bytes."""
-    np.savez_compressed(file, **arrays)  # type: ignore[arg-type]  # (its stub takes any name for an option)
+    in_rows: Arrays = {name: np.asarray(array, order="C") for name, array in arrays.items()}  # as they are read
+    np.savez_compressed(file, **in_rows)  # type: ignore[arg-type]  # (its stub takes any name for an option)
 
 
 def read_model(file: Path, declared: Mapping[str, Declared] | None = None) -> Arrays:

@@ -11,20 +11,24 @@ from typing import IO, Any
 import numpy as np
 import numpy.typing as npt
 
-from visitlab_cli.agents.declared import Declared, fault_in_form, fault_in_values
+from visitlab_cli.agents.declared import (
+    DTYPES,
+    MOST_ARRAYS,
+    MOST_BYTES,
+    NAME,
+    Declared,
+    fault_in_form,
+    fault_in_values,
+)
 from visitlab_cli.storage.reading import MOST_TABLE, open_file
 
 Arrays = dict[str, npt.NDArray[Any]]
 
-MOST_MEMBERS = 64
-MOST_BYTES = 256 << 20
-"""Of all arrays of a model together."""
 _LAST_RECORD = struct.Struct("<4s4H2LH")
 _LOCATOR = 20
 """Bytes of the record that leads to a larger list, which no model needs."""
 _ENTRY = 46 + 200
 """Bytes of a member in the list of members, with a name and extra fields."""
-_DTYPES = ("<f8", "<i4", "<i8", "<u8", "|b1", "<f4", "|i1", "|u1", "<i2", "<u2", "<u4")
 _HEADER = re.compile(
     rb"\{'descr': '([<|][a-z]\d)', 'fortran_order': False, 'shape': \(((?:\d{1,10}, ?)*(?:\d{1,10})?)\), ?\} *\n"
 )
@@ -68,7 +72,7 @@ def _check_list(stream: IO[bytes]) -> None:
     magic, _, _, here, count, length, start, comment = _LAST_RECORD.unpack(end[-_LAST_RECORD.size :])
     if magic != b"PK\x05\x06" or comment or end.startswith(b"PK\x06\x07"):
         raise ValueError("File is not a zip file")
-    if here != count or count > MOST_MEMBERS or length > count * _ENTRY:
+    if here != count or count > MOST_ARRAYS or length > count * _ENTRY:
         raise ValueError(f"claims {count} arrays in a list of {length:,} bytes")
     if start + length + _LAST_RECORD.size != size:
         raise ValueError("no archive of arrays, or with something before or behind it")
@@ -78,7 +82,7 @@ def _check_list(stream: IO[bytes]) -> None:
 def _arrays(archive: zipfile.ZipFile, declared: Mapping[str, Declared] | None) -> Arrays:
     members = archive.infolist()
     names = [member.filename for member in members]
-    if len(set(names)) != len(names) or any(not re.fullmatch(r"[A-Za-z_]\w{0,60}\.npy", name) for name in names):
+    if len(set(names)) != len(names) or any(not _is_of_an_array(name) for name in names):
         raise NotAModelError(f"not a model: {', '.join(ascii(name)[1:-1] for name in names)[:200]}")
     there = {member.filename.removesuffix(".npy"): member for member in members}
     if lacking := [name for name in declared or () if name not in there]:
@@ -100,6 +104,10 @@ def _arrays(archive: zipfile.ZipFile, declared: Mapping[str, Declared] | None) -
     return found
 
 
+def _is_of_an_array(member: str) -> bool:
+    return member.endswith(".npy") and NAME.fullmatch(member.removesuffix(".npy")) is not None
+
+
 def _array(content: IO[bytes], size: int, declared: Declared | None) -> npt.NDArray[Any]:
     """One array; its header says how many bytes follow, and so many there are, and no more are unpacked."""
     begin = content.read(len(_MAGIC) + 2)
@@ -107,7 +115,7 @@ def _array(content: IO[bytes], size: int, declared: Declared | None) -> npt.NDAr
         raise ValueError("is no array")
     length = int.from_bytes(begin[-2:], "little")
     header = _HEADER.fullmatch(content.read(length)) if length <= _LONGEST_HEADER else None
-    if header is None or header[1].decode() not in _DTYPES:
+    if header is None or header[1].decode() not in DTYPES:
         raise ValueError("is no array of numbers as visitlab writes one")
     dtype, shape = header[1].decode(), tuple(int(part) for part in header[2].split(b",") if part.strip())
     if declared is not None and (fault := fault_in_form(declared, dtype, shape)):
