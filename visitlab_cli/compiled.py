@@ -79,11 +79,16 @@ def place_of(records: Iterable[type], function: Callable[..., Any] | None = None
 
     What others have written comes in by the records that it is registered for, or is the `function` itself.
     """
-    theirs = [each for record in records for each in _registered.get(record, ())] + ([function] if function else [])
-    if not any([is_others(each.__code__.co_filename) for each in theirs]):
+    if not with_others(records) and not (function and is_others(function.__code__.co_filename)):
         return cache_place()
     whose = others()
     return Place(None, "code without a file takes part") if whose is None else cache_place(whose)
+
+
+def with_others(records: Iterable[type]) -> bool:
+    """Whether code of others is registered for one of some records."""
+    registered = [each for record in records for each in _registered.get(record, ())]
+    return any([is_others(each.__code__.co_filename) for each in registered])  # of all, for each is noted then
 
 
 def records_in(given: Any) -> Iterator[type]:
@@ -141,18 +146,25 @@ class Operation:
     passed as an argument can't). With the compiler switched off the same table is consulted at each call.
     """
 
-    def __init__(self, signature: Function, otherwise: Callable[..., Any] | None = None) -> None:
+    def __init__(
+        self,
+        signature: Function,
+        otherwise: Callable[..., Any] | None = None,
+        check: Callable[..., None] | None = None,
+    ) -> None:
         """Make an operation with the arguments of `signature`, a function without a body.
 
-        Where nothing is registered for a record it is `otherwise`, if that is given.
+        Where nothing is registered for a record it is `otherwise`, if that is given. What a function of others
+        answers goes to `check`, after the arguments, which raises where it is none; ours are not asked.
         """
         table: dict[type, Callable[..., Any]] = {} if otherwise is None else defaultdict(lambda: otherwise)
-        self._otherwise = otherwise
+        self._otherwise, self._check = otherwise, check
         self._table = table
+        self._called = table if check is None else {}  # from Python
         names = ", ".join(signature.__code__.co_varnames[: signature.__code__.co_argcount])
         first = names.split(",")[0]
         # numba matches an overload to the generic function by its argument names, so both are written out
-        scope: dict[str, Any] = {"table": table, "find": self._find}
+        scope: dict[str, Any] = {"table": self._called, "find": self._find}
         exec(
             f"def {signature.__name__}({names}):\n    return table[type({first})]({names})\n"
             f"def choice({names}):\n    return find({first})\n",
@@ -170,12 +182,13 @@ class Operation:
         found = self._table.get(record, self._otherwise) if record else None
         if found is None or not is_others(found.__code__.co_filename):
             return found
-        return self._calling(kernel(found))
+        return self._calling(kernel(found), self._check and kernel(self._check))
 
-    def _calling(self, compiled: Callable[..., Any]) -> Callable[..., Any]:
-        """A function that calls one that others have written: compiled as theirs, not as ours."""
-        scope: dict[str, Any] = {"compiled": compiled}
-        exec(f"def call({self._names}):\n    return compiled({self._names})\n", scope)
+    def _calling(self, function: Callable[..., Any], check: Callable[..., None] | None) -> Callable[..., Any]:
+        """A function that calls one of others, which is compiled as theirs, not as ours, and checks its answer."""
+        scope: dict[str, Any] = {"function": function, "check": check}
+        checking = f"    check({self._names}, answer)\n" if check else ""
+        exec(f"def call({self._names}):\n    answer = function({self._names})\n{checking}    return answer\n", scope)
         return cast(Callable[..., Any], scope["call"])
 
     def plain(self, record: type) -> Callable[..., Any]:
@@ -186,12 +199,28 @@ class Operation:
         """Decorator: this plain function is the operation for `record`."""
 
         def register(function: Function) -> Function:
-            is_others(function.__code__.co_filename)
+            theirs = is_others(function.__code__.co_filename)
             self._table[record] = function
+            if self._check is not None:
+                self._called[record] = self._calling(function, self._check) if theirs else function
             _registered.setdefault(record, []).append(function)
             return function
 
         return register
+
+
+class Precaution(Operation):
+    """An operation for what others have written: where none of their code takes part in the record it is nothing."""
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        """What is done where some takes part; from Python it is always done."""
+        super().__init__(function, otherwise=function)
+        scope: dict[str, Any] = {}
+        exec(f"def nothing({self._names}):\n    pass\n", scope)
+        self._nothing = scope["nothing"]
+
+    def _find(self, first: Any) -> Callable[..., Any] | None:
+        return self._otherwise if with_others(records_in(first)) else self._nothing
 
 
 operations: dict[Callable[..., Any], Operation] = {}

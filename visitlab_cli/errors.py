@@ -52,6 +52,15 @@ class RunError(VisitlabError):
     exit_code = 4
 
 
+class AnswerError(ValueError):
+    """An agent's or human's kernels answered what is no answer: `where`, in words, empty where that is not known."""
+
+    def __init__(self, answer: str, where: str = "") -> None:
+        """With what it was."""
+        super().__init__(answer)
+        self.where = where
+
+
 class NotFoundError(VisitlabError):
     """A file, run or trial does not exist: exit code 5."""
 

@@ -21,7 +21,7 @@ from visitlab_cli.execution.failures import kept_if_it_fails
 from visitlab_cli.execution.versions import decided_by, versions
 from visitlab_cli.log.writer import StepRecorder
 from visitlab_cli.plan.cells import Cell
-from visitlab_cli.plan.saved import modules_of
+from visitlab_cli.plan.saved import check_model, modules_of
 from visitlab_cli.random_numbers import RandomState, random_state
 from visitlab_cli.simulation.loop import BLOCK_ROWS, play
 from visitlab_cli.storage.arrays import write_model, write_trials
@@ -86,7 +86,9 @@ def _run_cell(run: Path, cell: Cell, report: Report, goes_on: Report) -> None:
         settings = cell.settings
         goals, phases = settings.plays.counts_goals, settings.phase_trials
         write_trials(new.folder / TRIALS, trial_rewards, with_goals=goals, phase_trials=phases)
-        write_model(new.folder / MODEL, saved_model(simulation, random))
+        model = saved_model(simulation, random)
+        check_model(cell, model)
+        write_model(new.folder / MODEL, model)
         timing = _timing(checkpoints.began, checkpoints.seconds, cell.steps, spent)
         described = {} if recorder is None else {STEPS: recorder.described()}
         new.commit(facts_of(cell, trial_rewards), timing, described)

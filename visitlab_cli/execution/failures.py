@@ -1,17 +1,21 @@
 """What is kept of a cell that failed: the traceback, for whoever wrote its agent or human."""
 
 import contextlib
+import sys
 import traceback
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
+from typing import Any
 
 from visitlab_cli.agents.plain import AgentFailedError, in_a_line
-from visitlab_cli.errors import RunError, VisitlabError
+from visitlab_cli.errors import AnswerError, RunError, VisitlabError
 from visitlab_cli.origin import FAILURE, is_ours
 from visitlab_cli.plan.cells import Cell
+from visitlab_cli.sources import is_others
 from visitlab_cli.storage.inside import check_inside
 from visitlab_cli.storage.on_disk import FAILURES
 from visitlab_cli.whole_file import write_again
+from visitlab_cli.world.human import NoReactionError
 
 LONGEST_NAME = 200
 
@@ -34,6 +38,8 @@ def kept_if_it_fails(run: Path, cell: Cell) -> Iterator[None]:
         if not error.report:
             raise
         raise RunError(f"{error}{_kept(run, cell, error.report)}") from error
+    except AnswerError as error:
+        raise RunError(f"{whose(error, cell)} failed{error.where and f' in {error.where}'}: {error}") from error
     except VisitlabError:
         raise
     except Exception as error:
@@ -42,6 +48,20 @@ def kept_if_it_fails(run: Path, cell: Cell) -> Iterator[None]:
         check_inside(run, failure_file(run, cell))
         if is_ours(failure_file(run, cell)):
             failure_file(run, cell).unlink()
+
+
+def whose(error: AnswerError, cell: Cell) -> str:
+    """Whose answer it was, with the kinds that it can have been: ours answer only what there is."""
+    if isinstance(error, NoReactionError):
+        return f"its human (kind {_kinds(cell.config.humans[human] for human in cell.humans)})"
+    watched = (cell.config.agents[getattr(cell.learner, other)] for other in cell.learner.references)
+    return f"its agent (kind {_kinds([cell.learner, *watched])})"
+
+
+def _kinds(entries: Iterable[Any]) -> str:
+    several = list(entries)
+    theirs = [each for each in several if is_others(sys.modules[type(each).__module__].__file__ or "")]
+    return " or ".join(dict.fromkeys(each.kind for each in theirs or several))
 
 
 def _kept(run: Path, cell: Cell, report: str) -> str:

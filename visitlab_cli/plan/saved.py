@@ -5,7 +5,7 @@ from functools import partial
 from pathlib import Path
 
 from visitlab_cli.agents.base import Setting
-from visitlab_cli.agents.declared import RANDOM_STATE, Declared
+from visitlab_cli.agents.declared import RANDOM_STATE, Declared, fault_in_form, fault_in_values
 from visitlab_cli.agents.exploration import Table
 from visitlab_cli.config.experiment import lab_of
 from visitlab_cli.errors import RunError, VisitlabError
@@ -61,6 +61,24 @@ def declared(cell: Cell) -> dict[str, Declared] | None:
         return None
     kept = cell.settings.declared_kept()
     return {**cell.player.arrays(setting_of(cell)), **kept, "random_state": RANDOM_STATE}
+
+
+def check_model(cell: Cell, arrays: Arrays) -> None:
+    """Check what is about to be saved as that which a cell's agent has learned: what was saved must be read again.
+
+    Raises:
+        RunError: it holds what is no number, or is not as the agent's kind declares.
+    """
+    kind = cell.config.agents[cell.agent].kind
+    for name, wanted in (declared(cell) or {}).items():
+        if name not in arrays:
+            raise RunError(f"its agent (kind {kind}) failed: it saved no array {name}")
+        array = arrays[name]
+        fault = fault_in_form(wanted, array.dtype.str, array.shape) or fault_in_values(wanted, array)
+        if fault:
+            raise RunError(f"its agent (kind {kind}) failed: its array {name} {fault}")
+    if fault := cell.player.fault(setting_of(cell), arrays):
+        raise RunError(f"its agent (kind {kind}) failed: {fault}")
 
 
 def model_of(run: Path, cell: Cell) -> Arrays:

@@ -8,12 +8,13 @@ from typing import Any, NamedTuple
 
 from visitlab_cli.agents.base import choose, learn, tell
 from visitlab_cli.agents.exploration import Table
-from visitlab_cli.compiled import Operation, kernel, written
+from visitlab_cli.compiled import Operation, Precaution, array_kernel, kernel, written
+from visitlab_cli.errors import AnswerError
 from visitlab_cli.random_numbers import RandomState
 from visitlab_cli.world.columns import StepColumns
 from visitlab_cli.world.enums import Action
 from visitlab_cli.world.scene import NOWHERE, Scene
-from visitlab_cli.world.task import begin_trial, observe, step
+from visitlab_cli.world.task import begin_trial, count_actions, observe, step
 
 BLOCK_ROWS = 8192
 
@@ -42,6 +43,29 @@ def _agent_decides(task, agent, scene, state, step, random):  # type: ignore[no-
 DECIDE = Operation(_decide, otherwise=_agent_decides)
 """Of a task in which not the agent alone decides."""
 decide = DECIDE.function
+
+
+class NoActionError(AnswerError):
+    """An agent chose an action that there is not."""
+
+    def __init__(self, action: int, n_actions: int, trial: int, step: int) -> None:
+        """At a step of a trial, counted as in the log."""
+        answer = f"choose answered {action}, but actions go from 0 to {n_actions - 1}"
+        super().__init__(answer, f"trial {trial}, step {step}")
+
+
+@array_kernel  # for what is raised with numbers takes memory
+def _refuse(action: int, n_actions: int, trial: int, step: int) -> None:
+    raise NoActionError(action, n_actions, trial, step)
+
+
+def _check_action(agent: Any, action: int, n_actions: int, trial: int, step: int) -> None:
+    """That there is such an action: what follows takes it as an index."""
+    if action < 0 or action >= n_actions:
+        _refuse(action, n_actions, trial, step)
+
+
+check_action = Precaution(_check_action).function
 
 
 _write_scene = written(
@@ -95,7 +119,7 @@ def play(
         cursor.trial_step,
         cursor.steps,
     )
-    row = 0
+    row, n_actions = 0, count_actions(task)
     while row < len(columns.trial) and done < steps:
         if trial_step == task.trial_steps:
             trial, trial_step = trial + 1, -1
@@ -110,6 +134,7 @@ def play(
         else:
             done += 1
             action, explored = decide(task, agent, scene, state, done, random)
+            check_action(agent, action, n_actions, trial, trial_step)
             scene, reward, lesson = step(task, scene, action, random)
             next_state = observe(task, scene)
             learn(agent, state, action, lesson, next_state, trial_step == task.trial_steps, done, random)

@@ -14,12 +14,12 @@ from visitlab_cli.compiled import kernel
 from visitlab_cli.random_numbers import RandomState
 from visitlab_cli.simulation.controller import Paper, Planned, approach, decide, observed, prepare, wanted
 from visitlab_cli.simulation.loop import DECIDE
-from visitlab_cli.world.enums import MAX_SPEED, N_DIRECTIONS, N_MOVES, Action
+from visitlab_cli.world.enums import MAX_SPEED, N_DIRECTIONS, N_MOVES, N_SOCIAL_ACTIONS, Action
 from visitlab_cli.world.human import follows_in_direction
 from visitlab_cli.world.lab import Lab, sees
 from visitlab_cli.world.scene import Scene, with_aims
 from visitlab_cli.world.social import social_state
-from visitlab_cli.world.task import BEGIN_TRIAL, OBSERVE, STEP, VISIT_TRIAL_STEPS
+from visitlab_cli.world.task import BEGIN_TRIAL, COUNT_ACTIONS, OBSERVE, STEP, VISIT_TRIAL_STEPS
 from visitlab_cli.world.visit import VisitWorld, begin_visit, step_visit
 
 
@@ -104,3 +104,9 @@ def chosen(task: Visit, agent: Any, scene: Scene, state: int, step: int, random:
 def observe(task: Visit, scene: Scene) -> int:
     """The social module's state."""
     return social_state(scene)
+
+
+@COUNT_ACTIONS.of(Visit)
+def count_actions(task: Visit) -> int:
+    """Those of the social module."""
+    return N_SOCIAL_ACTIONS

@@ -12,6 +12,7 @@ from visitlab_cli.world.enums import (
     N_DIRECTIONS,
     N_DISTANCES,
     N_LEVELS,
+    N_SOCIAL_ACTIONS,
     Action,
     Engagement,
 )
@@ -29,7 +30,7 @@ from visitlab_cli.world.scene import (
     random_direction,
     with_aims,
 )
-from visitlab_cli.world.task import BEGIN_TRIAL, OBSERVE, STEP, TRAINING_TRIAL_STEPS
+from visitlab_cli.world.task import BEGIN_TRIAL, COUNT_ACTIONS, OBSERVE, STEP, TRAINING_TRIAL_STEPS
 
 ARENA = 120
 DIRECTION_CHANGE = 0.2
@@ -126,3 +127,9 @@ def step(task: Social, scene: Scene, action: int, random: RandomState) -> tuple[
 def observe(task: Social, scene: Scene) -> int:
     """`social_state`, with the desired direction that holds next."""
     return social_state(scene)
+
+
+@COUNT_ACTIONS.of(Social)
+def count_actions(task: Social) -> int:
+    """All that the robot can do."""
+    return N_SOCIAL_ACTIONS
