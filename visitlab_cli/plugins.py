@@ -10,7 +10,7 @@ import importlib.util
 import os
 import sys
 from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
@@ -22,6 +22,7 @@ from pydantic import BaseModel
 from visitlab_cli.errors import NotFoundError, UsageError
 from visitlab_cli.kinds import UNSAID, kinds_in, words_of
 from visitlab_cli.sources import is_others
+from visitlab_cli.terminal import to_stderr
 from visitlab_cli.wording import printable
 
 API = 1
@@ -188,10 +189,25 @@ def find(section: str, word: str, base: type[Base]) -> type[Base]:
     return _checked(source, _imported(source) if kind is None else kind, base)
 
 
+@contextmanager
+def _kept_apart() -> Iterator[None]:
+    """What is imported in the block prints to standard error, and leaves the current folder as it is."""
+    here = None
+    with suppress(OSError):  # it may have been removed
+        here = Path.cwd()
+    try:
+        with to_stderr():
+            yield
+    finally:
+        if here is not None:
+            os.chdir(here)
+
+
 def _imported(source: Source) -> object:
     assert source.entry is not None
     try:
-        found: object = source.entry.load()
+        with _kept_apart():
+            found: object = source.entry.load()
     except KeyboardInterrupt:
         raise
     except BaseException as error:
@@ -228,7 +244,8 @@ def _module(file: Path) -> ModuleType:
     is_others(str(file))
     sys.modules[name] = module
     try:
-        spec.loader.exec_module(module)
+        with _kept_apart():
+            spec.loader.exec_module(module)
     except KeyboardInterrupt:
         raise
     except BaseException as error:

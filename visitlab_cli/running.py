@@ -28,7 +28,8 @@ def run(
     Args:
         config: the settings as plain values, as the YAML has them; or a YAML file, or the name of a shipped config.
         out: the folder of all runs.
-        workers: processes. One is a thread of this process; with more, a script needs `if __name__ == "__main__":`.
+        workers: processes. One is a thread of this process, unless kinds of others take part; with more, a script needs
+            `if __name__ == "__main__":`.
         quiet: whether only failures are told on standard error.
 
     Returns:

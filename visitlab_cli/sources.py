@@ -69,6 +69,15 @@ def is_others(file: str) -> bool:
     return True
 
 
+def is_kind_of_others(kind: type) -> bool:
+    """Whether a class is not this package's."""
+    return is_others(_file_of(kind))
+
+
+def _file_of(kind: type) -> str:
+    return getattr(sys.modules[kind.__module__], "__file__", None) or ""
+
+
 def others() -> str | None:
     """A hash of all code of others that was met; None where some of it has no file, so that nobody knows it again."""
     known = [digest for digest in _others.values() if digest is not None]
@@ -96,7 +105,7 @@ def sources(kinds: Iterable[type] = ()) -> str:
     Args:
         kinds: the classes of what a config declares, of which some may be others'.
     """
-    files = {getattr(sys.modules[kind.__module__], "__file__", None) or "" for kind in kinds}
+    files = {_file_of(kind) for kind in kinds}
     theirs = sorted({_note(Path(file)) or "" for file in files if is_others(file)})
     whole = hashlib.sha256(" ".join([_own(), *theirs]).encode()).hexdigest() if theirs else _own()
     return _checked(whole[: DIGITS - CHECK_DIGITS])

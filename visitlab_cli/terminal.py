@@ -11,7 +11,7 @@ import os
 import re
 import sys
 import traceback
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import Any, NoReturn
 
 from visitlab_cli.errors import RunError, reason
@@ -117,6 +117,20 @@ def open_streams() -> None:
 
 def _tell_bug(*error: Any) -> None:
     tell_text("".join(traceback.format_exception(*error)).rstrip("\n"), err=True)
+
+
+@contextlib.contextmanager
+def to_stderr() -> Iterator[None]:
+    """What others' code prints in the block is no result: it goes to standard error."""
+    sys.stdout.flush()
+    kept = os.dup(1)
+    try:
+        os.dup2(2, 1)  # for what does not print as Python does
+        with contextlib.redirect_stdout(sys.stderr):
+            yield
+    finally:
+        os.dup2(kept, 1)
+        os.close(kept)
 
 
 def lead_nowhere() -> None:

@@ -51,8 +51,7 @@ EXPECTED = {
 }
 
 
-@pytest.mark.parametrize("workers", [1, 2])
-@pytest.mark.parametrize("compiled", [True, False])
+@pytest.mark.parametrize(("workers", "compiled"), [(2, True), (1, False)])
 def test_a_wrong_answer_fails_its_cell_and_it_alone(tmp_path, workers, compiled):
     (tmp_path / "config.yaml").write_text(CONFIG)
     env = {} if compiled else {"NUMBA_DISABLE_JIT": "1"}

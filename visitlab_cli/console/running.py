@@ -4,6 +4,7 @@ import os
 import shutil
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -179,12 +180,14 @@ def run_cells_of(
         RunError: nothing can be written, or the workers of a Dask cluster can't be used.
         NotFoundError: there is no such scheduler file.
     """
+    from visitlab_cli.compiled import JIT_DISABLED
     from visitlab_cli.console.dry_run import duration
     from visitlab_cli.console.words import size_in_words
     from visitlab_cli.execution.runner import missing_cells, run_cells
-    from visitlab_cli.execution.warm_up import warm_up
+    from visitlab_cli.execution.warm_up import one_for_each, warm_up
+    from visitlab_cli.execution.workers import warm_up_apart
     from visitlab_cli.plan.estimate import estimate
-    from visitlab_cli.sources import sources
+    from visitlab_cli.sources import is_kind_of_others, sources
     from visitlab_cli.storage.inside import check_all_inside
     from visitlab_cli.storage.made_by import continued, made_by
     from visitlab_cli.storage.on_disk import bytes_below
@@ -199,14 +202,19 @@ def run_cells_of(
     some_absent = any(cell.absent for cell in cells)  # then nobody knows what their code would be
     if not some_absent and (told := continued(made_by(run, needed), ours, bool(missing))):
         progress.warn(f"{run}: {told}")
-    with _opened(at, workers, run, missing, progress.warn) as (workers, open_pool):
+    apart = any(is_kind_of_others(kind) for cell in missing for kind in cell.config.kinds)
+    with _opened(at, workers, apart, run, missing, progress.warn) as (workers, open_pool):
         if missing:
             cost = estimate(missing, workers)
             there = f"about {duration(cost.seconds)} and {size_in_words(cost.bytes)} on the disk"
             progress.say(f"{run}: {len(missing)} of {len(cells)} cells to do, {there}")
             if cost.bytes > (free := shutil.disk_usage(run).free):
                 progress.say(f"the disk has only {size_in_words(free)} left; record.steps=none writes no logs")
-            warm_up([cell for cell in missing if not cell.absent], progress.say)
+            present = one_for_each([cell for cell in missing if not cell.absent])
+            if not apart:
+                warm_up(present, progress.say)
+            elif workers > 1 and not JIT_DISABLED:  # one alone compiles what it needs
+                warm_up_apart(present, progress.say)
         failures = run_cells(run, cells, workers, progress, open_pool)
     if missing:
         progress.say(f"{run}: {size_in_words(bytes_below(run))} on the disk")
@@ -215,13 +223,13 @@ def run_cells_of(
 
 @contextmanager
 def _opened(
-    at: "At | None", workers: int, run: Path, missing: "Sequence[Cell]", warn: Callable[[str], None]
+    at: "At | None", workers: int, apart: bool, run: Path, missing: "Sequence[Cell]", warn: Callable[[str], None]
 ) -> "Iterator[tuple[int, OpenPool]]":
     """How many workers there are, and what opens a pool of them: of a cluster they are looked at before."""
     from visitlab_cli.execution.workers import Workers
 
     if at is None or not missing:
-        yield workers, Workers
+        yield workers, partial(Workers, apart=apart)
         return
     from visitlab_cli.execution.dask_cluster import DaskPool
 

@@ -1,7 +1,6 @@
 """What is kept of a cell that failed: the traceback, for whoever wrote its agent or human."""
 
 import contextlib
-import sys
 import traceback
 from collections.abc import Iterable, Iterator
 from pathlib import Path
@@ -11,7 +10,7 @@ from visitlab_cli.agents.plain import AgentFailedError, in_a_line
 from visitlab_cli.errors import AnswerError, RunError, VisitlabError
 from visitlab_cli.origin import FAILURE, is_ours
 from visitlab_cli.plan.cells import Cell
-from visitlab_cli.sources import is_others
+from visitlab_cli.sources import is_kind_of_others
 from visitlab_cli.storage.inside import check_inside
 from visitlab_cli.storage.on_disk import FAILURES
 from visitlab_cli.whole_file import write_again
@@ -60,7 +59,7 @@ def whose(error: AnswerError, cell: Cell) -> str:
 
 def _kinds(entries: Iterable[Any]) -> str:
     several = list(entries)
-    theirs = [each for each in several if is_others(sys.modules[type(each).__module__].__file__ or "")]
+    theirs = [each for each in several if is_kind_of_others(type(each))]
     return " or ".join(dict.fromkeys(each.kind for each in theirs or several))
 
 

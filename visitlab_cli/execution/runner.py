@@ -79,6 +79,7 @@ class _Running:
         claims: Claims,
         stopped: Callable[[], bool],
     ) -> None:
+        self.here = run.absolute()  # wherever others' code goes that a worker plays
         self.run, self.pool, self.progress, self.claims, self.stopped = run, pool, progress, claims, stopped
         self.order = Order(cells)
         self.elsewhere: dict[str, Cell] = {}  # other runners do them
@@ -133,7 +134,7 @@ class _Running:
         """Start a cell in a free slot; False where the pool is found broken, of which the running ones will tell."""
         slot = self.free_slots.pop()
         try:
-            self.running[self.pool.submit(self.run, cell, slot)] = cell, slot
+            self.running[self.pool.submit(self.here, cell, slot)] = cell, slot
             self.silence.begins(cell)
         except BrokenExecutor:
             self.free_slots.append(slot)

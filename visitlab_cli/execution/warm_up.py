@@ -47,6 +47,11 @@ def warm_up(cells: Sequence[Cell], say: Callable[[str], None]) -> None:
         _warm_up(cells, say)
 
 
+def one_for_each(cells: Sequence[Cell]) -> list[Cell]:
+    """A cell for each pair of task and agent."""
+    return list({_pair(cell): cell for cell in cells}.values())
+
+
 def compile_here(cell: Cell) -> None:
     """Compile or load in this process, once, what `cell` needs, so that what it does afterwards is simulation."""
     if not JIT_DISABLED and _pair(cell) not in _compiled_here:
@@ -72,9 +77,9 @@ class _Loop(NamedTuple):
 def _warm_up(cells: Sequence[Cell], say: Callable[[str], None]) -> None:
     KernelCache.damage_found = cache(lambda: say("the cache of compiled code is damaged: compiling again"))
     loops: list[_Loop] = []
-    for name, cell in {_pair(cell): cell for cell in cells}.items():
+    for cell in one_for_each(cells):
         with _told_by_the_cell():
-            simulation = _one_step(cell)
+            name, simulation = _pair(cell), _one_step(cell)
             place = place_of(records_in(tuple(stretch[:2] for stretch in simulation.stretches)))
             loops.append(_Loop(name, simulation, place, place.folder and place.folder / (COMPILED + name)))
     with _alone(loops, say):

@@ -1,7 +1,8 @@
 """Where cells run: threads or processes behind one `concurrent.futures` interface, with shared progress.
 
-One worker is a thread of this process (kernels release the GIL), several are processes. Progress and the wish to
-stop travel in shared memory without locks, so that a killed worker can block nobody.
+One worker is a thread of this process (kernels release the GIL), several are processes, and so is one that plays what
+others have written, which may end the process that it is in. Progress and the wish to stop travel in shared memory
+without locks, so that a killed worker can block nobody.
 
 A worker imports what the program imports, wherever it is started: what starts it does not look for modules in the
 current folder, imports nothing beforehand, not the user's script either, and gives it the program's own search path.
@@ -13,22 +14,26 @@ import multiprocessing.connection
 import multiprocessing.forkserver
 import multiprocessing.resource_tracker
 import os
+import pickle
 import signal
 import sys
 import threading
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager, nullcontext, suppress
 from pathlib import Path
 from types import ModuleType
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from visitlab_cli.errors import Interrupted, UsageError
+from visitlab_cli.errors import Interrupted, UsageError, VisitlabError
 from visitlab_cli.execution.executor import NOT_BEGUN, EndOfRunError
 from visitlab_cli.execution.tracker import survive
 from visitlab_cli.plan.cells import Cell
 from visitlab_cli.sources import PACKAGE, sources
-from visitlab_cli.stopping import ending_signals
+from visitlab_cli.stopping import ending_signals, nothing_to_lose
+
+if TYPE_CHECKING:
+    from multiprocessing.connection import Connection
 
 STOP = 0
 """Place of the stop flag in the shared memory; worker slot i has three places from 1 + 3 i on, as `OF_SLOT` says."""
@@ -62,9 +67,9 @@ class OtherCodeError(EndOfRunError):
 class Workers:
     """A fixed number of slots that cells run in; a slot's progress can be read at any time."""
 
-    def __init__(self, count: int) -> None:
-        """Prepare `count` workers; they start with the first cell."""
-        self.count = count
+    def __init__(self, count: int, apart: bool = False) -> None:
+        """Prepare `count` workers; they start with the first cell. `apart`: a single one is a process, too."""
+        self.count, self._in_thread = count, count == 1 and not apart
         self._context = multiprocessing.get_context("forkserver")
         self._shared = self._context.RawArray(ctypes.c_int64, 1 + len(OF_SLOT) * count)
         self._executor: Executor | None = None
@@ -74,19 +79,17 @@ class Workers:
         """Run a cell in a free `slot`."""
         for what, at_first in zip(OF_SLOT, (NOT_BEGUN, 0, 0), strict=True):
             self._shared[_place(slot, what)] = at_first
-        if self.count > 1:
+        if not self._in_thread:
             _check_room(TO_BEGIN if self._executor is None else TO_START)
         if self._executor is None:
             self._executor = self._start()
-        with as_the_program() if self.count > 1 else nullcontext():  # the pool starts its processes as work comes
+        with nullcontext() if self._in_thread else as_the_program():  # the pool starts its processes as work comes
             return self._executor.submit(_checked, code(cell.config.kinds), _run_in_slot, run, cell, slot)
 
     def _start(self) -> Executor:
-        if self.count == 1:
+        if self._in_thread:
             return ThreadPoolExecutor(1, initializer=_begin_thread, initargs=(self._shared,))
-        self._context.set_forkserver_preload([])
-        survive()
-        _start_servers()
+        _prepare(self._context)
         return ProcessPoolExecutor(
             self.count, mp_context=self._context, initializer=_begin_process, initargs=(self._shared,)
         )
@@ -155,6 +158,36 @@ def _check_room(files: int) -> None:
             os.close(each)
 
 
+def _prepare(context: Any) -> None:
+    context.set_forkserver_preload([])
+    survive()
+    _start_servers()
+
+
+def warm_up_apart(cells: Sequence[Cell], say: Callable[[str], None]) -> None:
+    """As `warm_up.warm_up`, in a process that others' code may end: then each cell tells it."""
+    context = multiprocessing.get_context("forkserver")
+    _check_room(TO_BEGIN)
+    _prepare(context)
+    said, saying = context.Pipe(duplex=False)
+    child = context.Process(target=_warm_up, args=(pickle.dumps(cells), saying), daemon=True)
+    with nothing_to_lose(), suppress(EOFError, ConnectionError):
+        with as_the_program():
+            child.start()
+        saying.close()
+        while True:
+            say(said.recv())
+    child.join()
+
+
+def _warm_up(cells: bytes, saying: "Connection[str, str]") -> None:
+    from visitlab_cli.execution.warm_up import warm_up
+
+    _begin_process(None)
+    with suppress(VisitlabError):
+        warm_up(pickle.loads(cells), saying.send)
+
+
 def _start_servers() -> None:
     """Start what starts the workers, deaf to the signals that a terminal sends to all; the workers inherit that."""
     before = signal.pthread_sigmask(signal.SIG_BLOCK, ())
@@ -199,6 +232,8 @@ def _begin_thread(shared: Any) -> None:
 
 def _begin_process(shared: Any) -> None:
     _begin_thread(shared)
+    os.dup2(2, 1)  # what others' code prints is no result
+    sys.stdout = sys.stderr
     for number in ending_signals():
         ours = number == signal.SIGTERM  # of what a terminal sends to all the parent decides, in shared memory
         signal.signal(number, signal.SIG_DFL if ours else signal.SIG_IGN)

@@ -15,6 +15,7 @@ from visitlab_cli.plan.evaluation import AS_DECLARED
 from visitlab_cli.storage.arrays import Arrays, damaged, read_model, read_trials
 from visitlab_cli.storage.cell_folder import MODEL, STEPS, TRIALS
 from visitlab_cli.storage.reading import UnreadableError, is_file
+from visitlab_cli.terminal import to_stderr
 from visitlab_cli.wording import printable, shown
 
 
@@ -60,7 +61,9 @@ def declared(cell: Cell) -> dict[str, Declared] | None:
     if cell.config.agents[cell.agent].absent:
         return None
     kept = cell.settings.declared_kept()
-    return {**cell.player.arrays(setting_of(cell)), **kept, "random_state": RANDOM_STATE}
+    with to_stderr():
+        arrays = cell.player.arrays(setting_of(cell))
+    return {**arrays, **kept, "random_state": RANDOM_STATE}
 
 
 def check_model(cell: Cell, arrays: Arrays) -> None:

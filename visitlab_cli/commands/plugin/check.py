@@ -7,7 +7,7 @@ import typer
 from visitlab_cli.console.help import Help
 from visitlab_cli.console.options import Json, Plugins
 from visitlab_cli.console.words import aligned
-from visitlab_cli.terminal import plain, tell, tell_json, tell_text
+from visitlab_cli.terminal import plain, tell, tell_json, tell_text, to_stderr
 
 HELP = Help(
     "Configure",
@@ -36,10 +36,10 @@ def command(
     from visitlab_cli.errors import RunError
 
     agent = agent_of(kind, parameters or ())
-    answers = []
     rows = [["task", "", "asked", "seen"]]
-    for answer in check(agent):
-        answers.append(answer)
+    with to_stderr():
+        answers = list(check(agent))
+    for answer in answers:
         rows.append([answer.task, "passed" if answer.passed else "FAILED", answer.asked, answer.seen])
     failed = [answer for answer in answers if not answer.passed]
     if as_json:
