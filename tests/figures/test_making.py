@@ -64,7 +64,7 @@ def test_a_folder_that_cannot_be_written_is_one_line(copy):
     (copy / "figures").write_text("in the way")
     with pytest.raises(RunError) as caught:
         make_figures(copy, strip, ["fig7"])
-    assert str(caught.value) == f"{copy}/figures/fig7.svg: can't be written: File exists"
+    assert str(caught.value) == f"{copy}/figures: is a file where a folder belongs; move it away"
 
 
 def test_the_command_names_all_that_can_be_drawn():
