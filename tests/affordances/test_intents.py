@@ -144,15 +144,25 @@ def test_of_an_agent_without_a_model_nothing_is_planned(tiny_run):
         restricted(tiny_run, plan(read_config(tiny_run)), Selection(agent="mf"))
 
 
-def test_the_picture_has_one_axis_and_the_names_of_the_figure():
-    def module(human, reward):
-        pairs = np.full(2, 10.0)
-        sets = [
-            PairSet(ALL, None, np.empty((2, 0)), pairs, pairs, np.array([8.0, 8.0])),
-            PairSet("k 0.5", 0.5, np.full((2, len(INTENTS)), 5.0), pairs / 2, pairs / 2, np.array(reward)),
-        ]
-        return Restricted(f"social/mb/{human}", human, [0, 1], np.array([8.0, 8.0]), sets)
+def module(human, reward):
+    pairs = np.full(2, 10.0)
+    sets = [
+        PairSet(ALL, None, np.empty((2, 0)), pairs, pairs, np.array([8.0, 8.0])),
+        PairSet("k 0.5", 0.5, np.full((2, len(INTENTS)), 5.0), pairs / 2, pairs / 2, np.array(reward)),
+    ]
+    return Restricted(f"social/mb/{human}", human, [0, 1], np.array([8.0, 8.0]), sets)
 
+
+def test_the_picture_has_room_for_long_names():
+    modules = [module(human, [8.0, 7.0]) for human in "abcd"]
+    with styled(STYLE):
+        figure = draw_intents(modules, {"b": "a human who has to be shown the way all of the time"})
+        words = words_of(figure)
+    assert figure.axes[1].get_title(loc="left").count("\n") > 2
+    assert beyond(figure, words) == []
+
+
+def test_the_picture_has_one_axis_and_the_names_of_the_figure():
     with styled(STYLE):
         figure = draw_intents([module("a", [8.0, 7.0]), module("b_c", [2.0, 2.5])], {"a": "the first one"})
         words = words_of(figure)

@@ -10,7 +10,7 @@ from visitlab_cli.affordances.picture import in_words
 from visitlab_cli.affordances.restricted import PairSet, Restricted
 from visitlab_cli.colours import PALETTE
 from visitlab_cli.pictures.style import BLUE, GREY, INK, PAGE, SMALL, STYLE, VERMILION, save, styled
-from visitlab_cli.pictures.words import in_lines
+from visitlab_cli.pictures.words import height_of, in_lines
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -21,6 +21,8 @@ MOST = 4
 HEIGHT = 4.6
 LEFT, RIGHT, TOP, BOTTOM = 0.62, 0.14, 0.42, 0.78  # inches
 TITLE_SIZE = 8
+TWO_LINES = "Human\na trial"
+"""A title for which `TOP` has room."""
 GAP = 3  # points
 PERCENT, MOST_PERCENT = 100, 106
 SHOWN, EDGE = (80.0, 105.0), 0.1
@@ -47,16 +49,22 @@ def draw_intents(found: Sequence[Restricted], names: Mapping[str, str]) -> "Figu
     from matplotlib.figure import Figure
 
     shown = found[:MOST]
-    figure = Figure(figsize=(PAGE, HEIGHT))
+    room = (PAGE - LEFT - RIGHT) / len(shown) - 0.35
+    humans = [names.get(module.human) or in_words(module.human) for module in shown]
+    titles = [
+        f"{in_lines(human, room, TITLE_SIZE, 'bold')}\n{module.whole.reward.mean():.2f} a trial"
+        for human, module in zip(humans, shown, strict=True)
+    ]
+    more_lines = max(height_of(title, TITLE_SIZE) for title in titles) - height_of(TWO_LINES, TITLE_SIZE)
+    top, height = TOP + more_lines, HEIGHT + more_lines
+    figure = Figure(figsize=(PAGE, height))
     panels: Any = figure.subplots(2, len(shown), squeeze=False)
     figure.subplots_adjust(
-        left=LEFT / PAGE, right=1 - RIGHT / PAGE, top=1 - TOP / HEIGHT, bottom=BOTTOM / HEIGHT, hspace=0.42, wspace=0.32
+        left=LEFT / PAGE, right=1 - RIGHT / PAGE, top=1 - top / height, bottom=BOTTOM / height, hspace=0.42, wspace=0.32
     )
-    room = (PAGE - LEFT - RIGHT) / len(shown) - 0.35
     ends = [SHOWN]
-    for module, above, below in zip(shown, *panels, strict=True):
-        human = in_lines(names.get(module.human) or in_words(module.human), room, TITLE_SIZE, "bold")
-        above.set_title(f"{human}\n{module.whole.reward.mean():.2f} a trial", loc="left")
+    for title, module, above, below in zip(titles, shown, *panels, strict=True):
+        above.set_title(title, loc="left")
         ends.append(_draw_reward(above, module))
         _draw_sizes(below, module)
     lowest, highest = min(low for low, _ in ends), max(high for _, high in ends)
