@@ -1,6 +1,8 @@
 """What others' code does to the process that it is in ends no program, moves no file and is no result."""
 
 import json
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -41,3 +43,23 @@ def test_what_it_prints_is_no_answer_of_plugin_check(tmp_path):
     assert done.returncode == 4  # it learns nothing
     assert [answer["passed"] for answer in json.loads(done.stdout)["answers"]].count(False) == 1
     assert "wander" in done.stderr.splitlines()
+
+
+ONE_AFTER_THE_OTHER = """
+import os, visitlab_cli
+agents, played = {"mine": {"kind": "rude", "does": "wander"}}, {"task": "navigation", "agents": ["mine"], "steps": 100}
+for name in ("first", "second"):
+    os.environ["VISITLAB_PLUGINS"] = os.path.abspath(f"{name}/rude_agent.py")
+    config = {"name": name, "agents": agents, "experiments": {"navigation": played}}
+    assert len(visitlab_cli.run(config, "runs").cells) == 1
+"""
+
+
+def test_a_worker_knows_the_plug_ins_of_its_run_not_those_of_the_first(tmp_path):
+    for name in ("first", "second"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / FILE.name).write_text(f"{FILE.read_text()}# {name}\n")
+    done = subprocess.run(
+        [sys.executable, "-c", ONE_AFTER_THE_OTHER], cwd=tmp_path, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr

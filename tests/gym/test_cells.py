@@ -1,7 +1,5 @@
 """One of our agents, driven through an environment, reproduces its cell's log, number for number."""
 
-import shutil
-
 import gymnasium
 import numpy as np
 import pytest
@@ -107,8 +105,7 @@ def test_a_plain_agent_reproduces_its_log(tmp_path, monkeypatch):
     """It draws from a generator of its own; the environment has the cell's stream to itself."""
     from tests.agents import plain_q
 
-    # a file of its own: what this process met of the tests' package before, a worker would meet as it is now
-    monkeypatch.setenv("VISITLAB_PLUGINS", shutil.copy(plain_q.__file__, tmp_path))
+    monkeypatch.setenv("VISITLAB_PLUGINS", plain_q.__file__)
     agents = {"mine": {"kind": "plain_q"}}
     experiments = {"social": {"task": "social", "agents": ["mine"], "humans": ["human_2"], "steps": 2000}}
     config = {**CONFIG, "agents": agents, "experiments": experiments}

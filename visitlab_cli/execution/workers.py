@@ -29,6 +29,7 @@ from visitlab_cli.errors import Interrupted, UsageError, VisitlabError
 from visitlab_cli.execution.executor import NOT_BEGUN, EndOfRunError
 from visitlab_cli.execution.tracker import survive
 from visitlab_cli.plan.cells import Cell
+from visitlab_cli.plugins import files, use_only
 from visitlab_cli.sources import PACKAGE, sources
 from visitlab_cli.stopping import ending_signals, nothing_to_lose
 
@@ -91,7 +92,7 @@ class Workers:
             return ThreadPoolExecutor(1, initializer=_begin_thread, initargs=(self._shared,))
         _prepare(self._context)
         return ProcessPoolExecutor(
-            self.count, mp_context=self._context, initializer=_begin_process, initargs=(self._shared,)
+            self.count, mp_context=self._context, initializer=_begin_process, initargs=(self._shared, files())
         )
 
     def steps_done(self, slot: int) -> int:
@@ -170,7 +171,7 @@ def warm_up_apart(cells: Sequence[Cell], say: Callable[[str], None]) -> None:
     _check_room(TO_BEGIN)
     _prepare(context)
     said, saying = context.Pipe(duplex=False)
-    child = context.Process(target=_warm_up, args=(pickle.dumps(cells), saying), daemon=True)
+    child = context.Process(target=_warm_up, args=(pickle.dumps(cells), files(), saying), daemon=True)
     with nothing_to_lose(), suppress(EOFError, ConnectionError):
         with as_the_program():
             child.start()
@@ -180,10 +181,10 @@ def warm_up_apart(cells: Sequence[Cell], say: Callable[[str], None]) -> None:
     child.join()
 
 
-def _warm_up(cells: bytes, saying: "Connection[str, str]") -> None:
+def _warm_up(cells: bytes, plugins: Sequence[Path], saying: "Connection[str, str]") -> None:
     from visitlab_cli.execution.warm_up import warm_up
 
-    _begin_process(None)
+    _begin_process(None, plugins)
     with suppress(VisitlabError):
         warm_up(pickle.loads(cells), saying.send)
 
@@ -230,10 +231,11 @@ def _begin_thread(shared: Any) -> None:
     _shared = shared
 
 
-def _begin_process(shared: Any) -> None:
+def _begin_process(shared: Any, plugins: Sequence[Path]) -> None:
     _begin_thread(shared)
     os.dup2(2, 1)  # what others' code prints is no result
     sys.stdout = sys.stderr
+    use_only(plugins)  # the variables are those of when the first worker of this program was started
     for number in ending_signals():
         ours = number == signal.SIGTERM  # of what a terminal sends to all the parent decides, in shared memory
         signal.signal(number, signal.SIG_DFL if ours else signal.SIG_IGN)
