@@ -53,7 +53,7 @@ class RunError(VisitlabError):
 
 
 class AnswerError(ValueError):
-    """An agent's or human's kernels answered what is no answer: `where`, in words, empty where that is not known."""
+    """An agent or a human answered, or an agent would save, what is none: `where`, in words, '' where nobody knows."""
 
     def __init__(self, answer: str, where: str = "") -> None:
         """With what it was."""

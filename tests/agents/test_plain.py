@@ -12,6 +12,7 @@ from tests.program import hashes, the_run, visitlab
 from visitlab_cli.agents import plain
 from visitlab_cli.agents.base import Setting, choose, learn
 from visitlab_cli.compiled import JIT_DISABLED, kernel
+from visitlab_cli.errors import RunError
 from visitlab_cli.random_numbers import random_state
 
 FILE = Path(__file__).with_name("plain_q.py")
@@ -197,7 +198,7 @@ def test_what_could_not_be_kept_is_told_before_it_is_learned(tmp_path, source):
         patch.setenv("VISITLAB_PLUGINS", str(tmp_path / "wrong.py"))
         (cell,) = plan(load(config))
         patch.setattr(cell_runner, "simulate", lambda *given: pytest.fail("it was played"))
-        with pytest.raises(plain.AgentFailedError, match="an array can't be called 'a/b'"):
+        with pytest.raises(RunError, match="an array can't be called 'a/b'"):
             cell_runner.run_cell(tmp_path, cell, lambda steps: None)
 
 

@@ -147,3 +147,8 @@ def up_to(group, share, part=100):
 
 def in_words(values):
     return mean_of(values).in_words()
+
+
+def human_called(name):
+    """What the pages call a human of the configs."""
+    return name.replace("human_", "Human ").replace("_", " with ")

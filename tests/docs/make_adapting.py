@@ -5,7 +5,7 @@ python -m tests.docs.make_adapting RUNS      # the folder of runs; a section who
 
 import numpy as np
 
-from tests.docs.from_runs import Page, Place, between, group_of, in_words, main, seeds_of, table
+from tests.docs.from_runs import Page, Place, between, group_of, human_called, in_words, main, seeds_of, table
 from tests.docs.worth import adapted, again
 from tests.docs.worth import met as earned
 from visitlab_cli.plan.saved import model_of
@@ -92,7 +92,7 @@ def by_human(source):
     for way in ways:
         told = [mean_of(each.tolist()).in_words("+") for each in rest(way) - rest("one_model")]
         rows.append([words(way), *told, again(source, way)])
-    heads = [human.replace("human_", "Human ").replace("_", " with ") for human in returning]
+    heads = [*map(human_called, returning)]
     return table(["over model_based", *heads, "all"], rows)
 
 

@@ -9,7 +9,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from tests.docs.from_runs import Page, Place, between, group_of, in_words, main, seeds_of, table, up_to
+from tests.docs.from_runs import Page, Place, between, group_of, human_called, in_words, main, seeds_of, table, up_to
 from tests.docs.worth import honest, worth
 from visitlab_cli.figures.doors_figure import bounds, recovery
 from visitlab_cli.figures.visits_figure import second_half
@@ -107,7 +107,7 @@ def symmetry(source):
     humans = sorted({human for _, human in found})
     agents = {"mb": "the paper's agent", "mirror": "`symmetric: true`, `unvisited: zero`"}
     rows = [[words, *(found[agent, human] for human in humans)] for agent, words in agents.items()]
-    return table(["", *(human.replace("human_", "Human ") for human in humans)], rows)
+    return table(["", *map(human_called, humans)], rows)
 
 
 FIGURES = ("leading", "labs", "doors", "hidden")

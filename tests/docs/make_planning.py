@@ -5,7 +5,7 @@ python -m tests.docs.make_planning RUNS      # the folder of runs; a section who
 
 import numpy as np
 
-from tests.docs.from_runs import ROOT, Page, Place, group_of, in_words, main, seeds_of, table, up_to
+from tests.docs.from_runs import ROOT, Page, Place, group_of, human_called, in_words, main, seeds_of, table, up_to
 from visitlab_cli.affordances.intents import INTENTS
 from visitlab_cli.affordances.intents_picture import save_intents
 from visitlab_cli.affordances.restricted import MANY, restricted
@@ -163,7 +163,7 @@ def sure(source):
 
 
 def called(source, human):
-    return source.config.figure.names.get(human, human.replace("human_", "Human ").replace("_", " with "))
+    return source.config.figure.names.get(human, human_called(human))
 
 
 def others(source):

@@ -21,6 +21,7 @@ DTYPES = ("<f8", "<i4", "<i8", "<u8", "|b1", "<f4", "|i1", "|u1", "<i2", "<u2", 
 MOST_ARRAYS = 64
 MOST_BYTES = 256 << 20
 """Of all arrays of a model together."""
+NO_NUMBER = "holds what is no number"
 _OF_THE_CELL = 8
 """How many arrays a cell may add to its agent's, at most."""
 
@@ -61,13 +62,17 @@ def fault_in_saved(arrays: Mapping[Any, npt.NDArray[Any]], reserved: tuple[str, 
             return f"an array can't be called {name}, a name of visitlab's own"
         if array.dtype.str not in DTYPES:
             return f"its array {name} is of dtype {array.dtype}, which is not kept"
-        if array.dtype.kind == "f" and not np.isfinite(array).all():
-            return f"its array {name} holds what is no number"
+        if not _is_finite(array):
+            return f"its array {name} {NO_NUMBER}"
     if len(arrays) + _OF_THE_CELL > MOST_ARRAYS:
         return f"it has {len(arrays)} arrays; at most {MOST_ARRAYS - _OF_THE_CELL} are kept"
     if (total := sum(array.nbytes for array in arrays.values())) >= MOST_BYTES:
         return f"its arrays have {total:,} bytes; fewer than {MOST_BYTES:,} are kept"
     return None
+
+
+def _is_finite(array: npt.NDArray[Any]) -> bool:
+    return array.dtype.kind != "f" or bool(np.isfinite(array).all())
 
 
 def fault_in_form(declared: Declared, dtype: str, shape: tuple[int, ...]) -> str | None:
@@ -84,8 +89,8 @@ def fault_in_form(declared: Declared, dtype: str, shape: tuple[int, ...]) -> str
 
 def fault_in_values(declared: Declared, array: npt.NDArray[Any]) -> str | None:
     """Why an array's values are not as declared; None where they are."""
-    if array.dtype.kind == "f" and not np.isfinite(array).all():
-        return "holds what is no number"
+    if not _is_finite(array):
+        return NO_NUMBER
     if array.dtype.kind in "if" and array.size and (array.min() < declared.low or array.max() > declared.high):
         return f"has values from {array.min()} to {array.max()}, not from {declared.low} to {declared.high}"
     return None

@@ -12,9 +12,9 @@ import numpy as np
 
 from visitlab_cli.agents.base import Saved
 from visitlab_cli.agents.declared import fault_in_saved
-from visitlab_cli.agents.plain import AgentFailedError, failure_in
+from visitlab_cli.agents.plain import failure_in
 from visitlab_cli.config.canonical import hashed_yaml
-from visitlab_cli.errors import Interrupted
+from visitlab_cli.errors import AnswerError, Interrupted
 from visitlab_cli.execution.build import Simulation, build
 from visitlab_cli.execution.checkpoints import Checkpoints, Standing
 from visitlab_cli.execution.failures import kept_if_it_fails
@@ -24,6 +24,7 @@ from visitlab_cli.plan.cells import Cell
 from visitlab_cli.plan.saved import check_model, modules_of
 from visitlab_cli.random_numbers import RandomState, random_state
 from visitlab_cli.simulation.loop import BLOCK_ROWS, play
+from visitlab_cli.sources import is_kind_of_others
 from visitlab_cli.storage.arrays import write_model, write_trials
 from visitlab_cli.storage.cell_folder import MODEL, STEPS, TRIALS, NewCell
 from visitlab_cli.storage.facts import CPU_SECONDS
@@ -65,7 +66,8 @@ def _run_cell(run: Path, cell: Cell, report: Report, goes_on: Report) -> None:
     models = modules_of(run, cell)
     simulation = build(cell, models)
     random = random_state(cell.config.seed, cell.path, STREAM)
-    saved_model(simulation, random)  # what can't be kept is told before it is learned
+    if is_kind_of_others(type(cell.player)):
+        saved_model(simulation, random)  # what can't be kept is told before it is learned
     with NewCell(run, cell.path) as new:
         with _recorder(cell, new.folder / STEPS) as recorder:
 
@@ -166,12 +168,12 @@ def saved_model(simulation: Simulation, random: RandomState) -> Saved:
     """The arrays of `model.npz`: the agent's, what its task keeps, and the state that the random stream is left in.
 
     Raises:
-        AgentFailedError: the agent's can't be kept.
+        AnswerError: the agent's can't be kept.
     """
     kept = simulation.experiment.kept_by(simulation.stretches[-1].task)
     saved = simulation.parameters.save(simulation.agent)
     if fault := fault_in_saved(saved):
-        raise AgentFailedError(f"its agent failed: {fault}")
+        raise AnswerError(fault)
     return {**saved, **kept, "random_state": random}
 
 

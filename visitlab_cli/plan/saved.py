@@ -9,7 +9,7 @@ from visitlab_cli.agents.base import Setting
 from visitlab_cli.agents.declared import RANDOM_STATE, Declared, fault_in_form, fault_in_values
 from visitlab_cli.agents.exploration import Table
 from visitlab_cli.config.experiment import lab_of
-from visitlab_cli.errors import RunError, VisitlabError
+from visitlab_cli.errors import AnswerError, RunError, VisitlabError
 from visitlab_cli.log.reader import read_metadata
 from visitlab_cli.plan.cells import Cell
 from visitlab_cli.plan.evaluation import AS_DECLARED
@@ -74,20 +74,18 @@ def check_model(cell: Cell, arrays: Arrays) -> None:
     Ours are tested to be as they declare, and a check would be a tenth of a short cell.
 
     Raises:
-        RunError: it holds what is no number, or is not as the agent's kind declares.
+        AnswerError: it lacks an array, or is not as the agent's kind declares.
     """
     if not is_kind_of_others(type(cell.player)):
         return
-    kind = cell.config.agents[cell.agent].kind
     for name, wanted in (declared(cell) or {}).items():
         if name not in arrays:
-            raise RunError(f"its agent (kind {kind}) failed: it saved no array {name}")
+            raise AnswerError(f"it saved no array {name}")
         array = arrays[name]
-        fault = fault_in_form(wanted, array.dtype.str, array.shape) or fault_in_values(wanted, array)
-        if fault:
-            raise RunError(f"its agent (kind {kind}) failed: its array {name} {fault}")
+        if fault := fault_in_form(wanted, array.dtype.str, array.shape) or fault_in_values(wanted, array):
+            raise AnswerError(f"its array {name} {fault}")
     if fault := cell.player.fault(setting_of(cell), arrays):
-        raise RunError(f"its agent (kind {kind}) failed: {fault}")
+        raise AnswerError(fault)
 
 
 def model_of(run: Path, cell: Cell) -> Arrays:
